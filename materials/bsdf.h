@@ -1,0 +1,46 @@
+// The closed set of scattering models. Adding one: its header, its name in the variant, its line in the
+// loader's table.
+#pragma once
+
+#include <concepts>
+#include <variant>
+
+#include "materials/conductor.h"
+#include "materials/dielectric.h"
+#include "materials/diffuse.h"
+
+namespace twopass {
+
+/// What a scattering model must offer; conventions in materials/bsdf_sample.h.
+template <class Model>
+concept ScatteringModel = requires(const Model& model, V3f w, V2f u) {
+  { model.eval(w, w) } -> std::same_as<C3f>;     // f(wo, wi) |wi.z|, without Dirac parts
+  { model.pdf_w(w, w) } -> std::same_as<float>;  // density of sample() in solid angle, without Dirac parts
+  { model.sample(w, u) } -> std::same_as<std::optional<BsdfSample>>;  // nullopt: absorbed
+  {
+    model.diffuse_reflectance()
+    } -> std::same_as<C3f>;                       // albedo of the part that a radiosity solution can hold
+  { model.is_specular() } -> std::same_as<bool>;  // only Dirac parts: nothing to evaluate
+};
+
+using Bsdf = std::variant<Diffuse, Conductor, Dielectric>;
+
+static_assert(ScatteringModel<Diffuse> && ScatteringModel<Conductor> && ScatteringModel<Dielectric>);
+
+inline C3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+  return std::visit([&](const auto& model) { return model.eval(wo, wi); }, bsdf);
+}
+inline float pdf_w(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+  return std::visit([&](const auto& model) { return model.pdf_w(wo, wi); }, bsdf);
+}
+inline std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, const V2f& u) {
+  return std::visit([&](const auto& model) { return model.sample(wo, u); }, bsdf);
+}
+inline C3f diffuse_reflectance(const Bsdf& bsdf) {
+  return std::visit([](const auto& model) { return model.diffuse_reflectance(); }, bsdf);
+}
+inline bool is_specular(const Bsdf& bsdf) {
+  return std::visit([](const auto& model) { return model.is_specular(); }, bsdf);
+}
+
+}  // namespace twopass

@@ -1,0 +1,39 @@
+#include "materials/fresnel.h"
+
+namespace twopass {
+
+float fresnel_dielectric(float cos_i, float eta, float& cos_t) {
+  const float sin2_t = std::max(0.0f, 1.0f - cos_i * cos_i) / (eta * eta);
+  if (sin2_t >= 1.0f) {
+    cos_t = 0.0f;
+    return 1.0f;
+  }
+  cos_t = std::sqrt(1.0f - sin2_t);
+  const float s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+  const float p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+  return 0.5f * (s * s + p * p);
+}
+
+namespace {
+
+float fresnel_conductor(float cos_i, float eta, float k) {
+  const float cos2 = cos_i * cos_i, sin2 = 1.0f - cos2;
+  const float t0 = eta * eta - k * k - sin2;
+  const float a2_plus_b2 = std::sqrt(t0 * t0 + 4.0f * eta * eta * k * k);
+  const float a = std::sqrt(std::max(0.0f, 0.5f * (a2_plus_b2 + t0)));
+  const float s_sum = a2_plus_b2 + cos2, s_cross = 2.0f * a * cos_i;
+  const float s = (s_sum - s_cross) / (s_sum + s_cross);
+  const float p_sum = cos2 * a2_plus_b2 + sin2 * sin2, p_cross = s_cross * sin2;
+  // At grazing incidence on an index-free mirror both sums meet: the ratio is 1 there.
+  const float p = p_sum + p_cross > 0.0f ? s * (p_sum - p_cross) / (p_sum + p_cross) : s;
+  return 0.5f * (s + p);
+}
+
+}  // namespace
+
+C3f fresnel_conductor(float cos_i, const C3f& eta, const C3f& k) {
+  return {fresnel_conductor(cos_i, eta.x, k.x), fresnel_conductor(cos_i, eta.y, k.y),
+          fresnel_conductor(cos_i, eta.z, k.z)};
+}
+
+}  // namespace twopass

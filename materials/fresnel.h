@@ -1,0 +1,16 @@
+// Reflection at smooth interfaces: Fresnel's formulas and refraction.
+#pragma once
+
+#include "render/core/types.h"
+
+namespace twopass {
+
+/// Unpolarised reflectance in [0, 1] of an interface to a dielectric (M2). `eta` is the index of refraction
+/// behind the interface over the one in front; `cos_i` in [0, 1]. 1 beyond the critical angle. `cos_t` receives
+/// the cosine of the refracted direction (0 under total reflection).
+float fresnel_dielectric(float cos_i, float eta, float& cos_t);
+
+/// Unpolarised reflectance of a conductor of complex index eta + i k relative to the outside, per channel (M3).
+C3f fresnel_conductor(float cos_i, const C3f& eta, const C3f& k);
+
+}  // namespace twopass

@@ -1,0 +1,12 @@
+// Indices of refraction of everyday substances by name.
+#pragma once
+
+#include <string_view>
+
+namespace twopass {
+
+/// Index of refraction at visible wavelengths of `name` ("bk7", "water", ...; Mitsuba's names). Throws Error at
+/// `where`, listing the known names.
+float ior_of(std::string_view name, std::string_view where);
+
+}  // namespace twopass

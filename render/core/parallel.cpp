@@ -1,0 +1,35 @@
+#include "render/core/parallel.h"
+
+#include <algorithm>
+#include <thread>
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+namespace twopass {
+
+struct ThreadLimit::Impl {
+  explicit Impl(std::size_t threads) : control(tbb::global_control::max_allowed_parallelism, threads) {}
+  tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(int threads)
+    : impl_(std::make_unique<Impl>(threads > 0 ? static_cast<std::size_t>(threads)
+                                               : std::max(1u, std::thread::hardware_concurrency()))) {}
+ThreadLimit::~ThreadLimit() = default;
+
+int ThreadLimit::threads() const {
+  return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+void parallel_for(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& body) {
+  if (count == 0) return;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, std::max<std::size_t>(1, grain)),
+      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
+      tbb::simple_partitioner());
+}
+
+}  // namespace twopass

@@ -1,0 +1,48 @@
+// Maps from the unit square to directions and surfaces, each with its density. Names say the measure: _w solid
+// angle, _a area.
+#pragma once
+
+#include "render/core/types.h"
+
+namespace twopass {
+
+/// Cosine-weighted direction of the upper hemisphere (z >= 0).
+inline V3f square_to_cosine_hemisphere(const V2f& u) {
+  const float radius = std::sqrt(u.x);
+  const float phi = 2.0f * pi_f * u.y;
+  return {radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1.0f - u.x)};
+}
+inline float cosine_hemisphere_pdf_w(float cos_theta) { return std::max(cos_theta, 0.0f) * (1.0f / pi_f); }
+
+/// Uniform barycentric coordinates (u, v) of the corners 1 and 2 of a triangle.
+inline V2f square_to_triangle(const V2f& u) {
+  // Folding the square keeps stratification better than the square root map (Heitz 2019).
+  if (u.x < u.y) return {0.5f * u.x, u.y - 0.5f * u.x};
+  return {u.x - 0.5f * u.y, 0.5f * u.y};
+}
+
+/// Uniform direction.
+inline V3f square_to_sphere(const V2f& u) {
+  const float z = 1.0f - 2.0f * u.x;
+  const float radius = std::sqrt(std::max(0.0f, 1.0f - z * z));
+  const float phi = 2.0f * pi_f * u.y;
+  return {radius * std::cos(phi), radius * std::sin(phi), z};
+}
+
+/// Uniform direction of the cone of directions around +z with 1 - cos(half angle) = `one_minus_cos_max`.
+inline V3f square_to_cone(const V2f& u, float one_minus_cos_max) {
+  const float one_minus_z = u.x * one_minus_cos_max;
+  // 1 - z^2 without cancellation, so that narrow cones keep their digits.
+  const float radius = std::sqrt(std::max(0.0f, one_minus_z * (2.0f - one_minus_z)));
+  const float phi = 2.0f * pi_f * u.y;
+  return {radius * std::cos(phi), radius * std::sin(phi), 1.0f - one_minus_z};
+}
+inline float cone_pdf_w(float one_minus_cos_max) { return 1.0f / (2.0f * pi_f * one_minus_cos_max); }
+
+/// Point of the spherical triangle (a, b, c), uniform in solid angle (Arvo 1995). a, b, c are unit vectors; the
+/// result is one too. REQUIRES: a triangle of non-zero solid angle, smaller than a hemisphere.
+V3d square_to_spherical_triangle(double u, double v, const V3d& a, const V3d& b, const V3d& c);
+/// Solid angle of the spherical triangle, sr (Van Oosterom and Strackee 1983).
+double spherical_triangle_solid_angle(const V3d& a, const V3d& b, const V3d& c);
+
+}  // namespace twopass

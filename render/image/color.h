@@ -1,0 +1,42 @@
+// From scene-linear pixels to a display, through OpenColorIO. The only home of that library.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+namespace twopass {
+
+/// Empty texts mean the default.
+struct DisplayOptions {
+  std::string config{};         ///< file of an OpenColorIO configuration; default $OCIO, else the built-in one
+  std::string display{};        ///< default: the configuration's
+  std::string view{};           ///< default: that display's
+  float exposure_stops = 0.0f;  ///< radiance is multiplied by 2^stops first
+};
+
+/// A display and view of an OpenColorIO configuration, ready to apply. Immutable; may be shared by threads.
+class DisplayTransform {
+ public:
+  /// Throws Error when the configuration cannot be read (never falls back to another one), the display or view
+  /// is unknown (listing those that exist), or the configuration does not say how it relates to Rec.709.
+  explicit DisplayTransform(const DisplayOptions& options = {});
+  ~DisplayTransform();
+  DisplayTransform(DisplayTransform&&) noexcept;
+  DisplayTransform& operator=(DisplayTransform&&) noexcept;
+
+  /// Turns linear Rec.709 triples into display-encoded ones in [0,1], in place. Values that are not finite
+  /// count as 0. REQUIRES: the size is a multiple of 3.
+  void apply(std::span<float> rgb) const;
+
+  [[nodiscard]] const std::string& display() const;
+  [[nodiscard]] const std::string& view() const;
+  /// "config, display, view, exposure" for metadata and reports.
+  [[nodiscard]] const std::string& description() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twopass

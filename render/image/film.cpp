@@ -1,0 +1,110 @@
+#include "render/image/film.h"
+
+#include <cassert>
+#include <numeric>
+#include <string>
+
+#include "render/core/error.h"
+#include "render/image/compare.h"
+
+namespace twopass {
+namespace {
+
+constexpr std::int64_t most_pixels = std::int64_t{1} << 28;
+
+C3d per_channel_square(const C3d& c) { return {c.x * c.x, c.y * c.y, c.z * c.z}; }
+
+}  // namespace
+
+C3d FilmPixel::mean() const {
+  // Filters with negative lobes may leave no usable weight: such a pixel has received nothing yet.
+  return weight > 0.0 ? C3d(sum / weight) : C3d(0.0, 0.0, 0.0);
+}
+
+void FilmPixel::merge(const FilmPixel& other) {
+  if (other.samples == 0) return;
+  if (samples == 0) {
+    *this = other;
+    return;
+  }
+  const double n = static_cast<double>(samples), m = static_cast<double>(other.samples);
+  spread += other.spread + per_channel_square(other.mean() - mean()) * (n * m / (n + m));
+  sum += other.sum;
+  alpha += other.alpha;
+  weight += other.weight;
+  samples += other.samples;
+  batches += other.batches;
+}
+
+bool PixelBatch::add(const C3f& radiance, float alpha, float weight) {
+  sums_.batches = 1;
+  ++sums_.samples;
+  const bool finite = is_finite(radiance) && std::isfinite(alpha) && std::isfinite(weight);
+  // The sample was taken, so its weight counts even if its value cannot.
+  sums_.weight += std::isfinite(weight) ? weight : 1.0;
+  if (!finite) return false;
+  sums_.sum += C3d(radiance) * static_cast<double>(weight);
+  sums_.alpha += static_cast<double>(alpha) * weight;
+  return true;
+}
+
+Film::Film(int width, int height) : width_(width), height_(height) {
+  if (width < 1 || height < 1 || static_cast<std::int64_t>(width) * height > most_pixels)
+    throw Error("picture", "its size is " + std::to_string(width) + "x" + std::to_string(height),
+                "choose a size of at least 1x1 and at most " + std::to_string(most_pixels) + " pixels");
+  pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+}
+
+std::size_t Film::index(int x, int y) const {
+  assert(x >= 0 && x < width_ && y >= 0 && y < height_);
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+}
+
+void Film::merge(const Film& other) {
+  if (other.width_ != width_ || other.height_ != height_)
+    throw Error("merge",
+                "the films are " + std::to_string(width_) + "x" + std::to_string(height_) + " and " +
+                    std::to_string(other.width_) + "x" + std::to_string(other.height_),
+                "merge parts of the same picture only");
+  for (std::size_t i = 0; i < pixels_.size(); ++i) pixels_[i].merge(other.pixels_[i]);
+}
+
+std::uint64_t Film::samples() const {
+  return std::accumulate(pixels_.begin(), pixels_.end(), std::uint64_t{0},
+                         [](std::uint64_t n, const FilmPixel& pixel) { return n + pixel.samples; });
+}
+
+Image Film::resolve() const {
+  Image image(width_, height_, {"R", "G", "B", "A"});
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const FilmPixel& pixel = pixels_[i];
+    const C3d mean = pixel.mean();
+    float* out = &image.pixels[4 * i];
+    out[0] = static_cast<float>(mean.x);
+    out[1] = static_cast<float>(mean.y);
+    out[2] = static_cast<float>(mean.z);
+    out[3] = pixel.weight > 0.0 ? static_cast<float>(pixel.alpha / pixel.weight) : 0.0f;
+  }
+  return image;
+}
+
+double Film::relative_error() const {
+  double sum = 0.0;
+  std::size_t sampled = 0;
+  for (const FilmPixel& pixel : pixels_) {
+    if (pixel.samples == 0) continue;
+    if (pixel.batches < 2) return std::numeric_limits<double>::infinity();
+    // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1), and the mean of
+    // all samples a variance of s^2 / samples.
+    const double to_variance = 1.0 / ((pixel.batches - 1.0) * static_cast<double>(pixel.samples));
+    const C3d mean = pixel.mean();
+    for (int c = 0; c < 3; ++c) sum += pixel.spread[c] * to_variance / (mean[c] * mean[c] + relmse_epsilon);
+    ++sampled;
+  }
+  if (sampled == 0) return std::numeric_limits<double>::infinity();
+  const double relmse = sum / (3.0 * static_cast<double>(sampled));
+  // Radiances near the end of double's range could overflow to inf/inf.
+  return std::isnan(relmse) ? std::numeric_limits<double>::infinity() : std::sqrt(relmse);
+}
+
+}  // namespace twopass

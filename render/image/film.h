@@ -1,0 +1,78 @@
+// The film: sums of samples for each pixel, and from them the picture and an estimate of its error.
+// Knows no scene and no file. One thread owns a pixel while a pass is rendered, hence no locks.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/core/types.h"
+#include "render/image/image.h"
+
+namespace twopass {
+
+/// What a pixel has received, from one batch of samples or from many.
+struct FilmPixel {
+  C3d sum{0.0, 0.0, 0.0};     ///< of weight * radiance, W/(m2 sr), linear Rec.709
+  double alpha = 0.0;         ///< sum of weight * coverage
+  double weight = 0.0;        ///< sum of the filter's weights
+  C3d spread{0.0, 0.0, 0.0};  ///< sum over batches of samples * (mean of the batch - mean of all)^2
+  std::uint64_t samples = 0;
+  std::uint32_t batches = 0;
+
+  /// The pixel's mean radiance; black without samples.
+  [[nodiscard]] C3d mean() const;
+  /// Adds what another set of batches found. Exact (Chan, Golub, LeVeque 1983); order changes only rounding.
+  void merge(const FilmPixel& other);
+};
+
+/// The samples of one pixel in one pass.
+class PixelBatch {
+ public:
+  /// Adds a sample: radiance W/(m2 sr), alpha in [0,1], weight of FilterSample.
+  /// A sample that is not finite counts as black with alpha 0; then the result is false, for the caller to
+  /// count.
+  bool add(const C3f& radiance, float alpha = 1.0f, float weight = 1.0f);
+  [[nodiscard]] const FilmPixel& sums() const { return sums_; }
+
+ private:
+  FilmPixel sums_;
+};
+
+class Film {
+ public:
+  /// An empty film. Throws Error unless both sizes are at least 1 and the film has at most 2^28 pixels.
+  Film(int width, int height);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+
+  /// Adds one pass's samples of one pixel. Different pixels may be added from different threads.
+  /// REQUIRES: 0 <= x < width, 0 <= y < height.
+  void add_pixel(int x, int y, const PixelBatch& batch) { merge_pixel(x, y, batch.sums()); }
+  /// Adds what another film, or a file, holds of a pixel. Same requirements.
+  void merge_pixel(int x, int y, const FilmPixel& other) { pixels_[index(x, y)].merge(other); }
+  /// Adds all pixels of a film. Throws Error when the sizes differ.
+  void merge(const Film& other);
+
+  [[nodiscard]] const FilmPixel& pixel(int x, int y) const { return pixels_[index(x, y)]; }
+  /// All samples taken so far.
+  [[nodiscard]] std::uint64_t samples() const;
+
+  /// The picture: channels R, G, B, A. Pixels without samples are black with alpha 0.
+  [[nodiscard]] Image resolve() const;
+
+  /// Estimated root of the expected relMSE: sqrt of the mean over sampled pixels and channels of
+  /// Var(mean) / (mean^2 + 0.01), with the variance from the scatter of the batches. Never NaN;
+  /// infinity while a sampled pixel has fewer than two batches, or none is sampled. Batches of a stratified
+  /// sampler scatter more than their sum errs, so the estimate is then on the safe side.
+  [[nodiscard]] double relative_error() const;
+
+ private:
+  [[nodiscard]] std::size_t index(int x, int y) const;
+
+  int width_;
+  int height_;
+  std::vector<FilmPixel> pixels_;
+};
+
+}  // namespace twopass

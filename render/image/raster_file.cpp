@@ -1,0 +1,141 @@
+#include "render/image/raster_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <string>
+#include <system_error>
+
+#include <dlfcn.h>
+
+#include "render/core/error.h"
+#include "render/image/atomic_file.h"
+#include "render/image/oiio_module.h"
+
+namespace twopass {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Module {
+  TwopassOiioEncode encode;
+  TwopassOiioDecode decode;
+};
+
+constexpr const char* module_name = "twopass_oiio.so";
+
+// Beside the program (build folder) or in lib/twopass of the prefix (installed).
+fs::path find_module() {
+  std::error_code ignored;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const fs::path& place : {folder / module_name, folder.parent_path() / "lib" / "twopass" / module_name})
+    if (fs::exists(place, ignored)) return place;
+  throw Error(module_name,
+              "the module for PNG, JPEG and TIFF is neither in " + folder.string() + " nor in " +
+                  (folder.parent_path() / "lib" / "twopass").string(),
+              "build the target twopass_oiio or install the program, or use .exr");
+}
+
+void* symbol(void* library, const char* name, const fs::path& path) {
+  void* address = ::dlsym(library, name);
+  if (address == nullptr)
+    throw Error(path.string(), std::string("it lacks ") + name, "build the program and its module together");
+  return address;
+}
+
+const Module& module() {
+  // Loaded once and for the life of the process: OpenImageIO keeps threads that must not lose their code.
+  static const Module loaded = [] {
+    const fs::path path = find_module();
+    void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr)
+      throw Error(path.string(), std::string("it cannot be loaded: ") + ::dlerror(),
+                  "install OpenImageIO, or use .exr");
+    return Module{reinterpret_cast<TwopassOiioEncode>(symbol(library, "twopass_oiio_encode", path)),
+                  reinterpret_cast<TwopassOiioDecode>(symbol(library, "twopass_oiio_decode", path))};
+  }();
+  return loaded;
+}
+
+// What the module hands over, whether it encodes or decodes.
+struct Exchange {
+  std::vector<std::byte> bytes;
+  RasterImage picture;
+  std::string problem;
+
+  static void take_bytes(void* self, const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    static_cast<Exchange*>(self)->bytes.assign(first, first + size);
+  }
+  static void take_problem(void* self, const void* text, std::size_t size) {
+    std::string& problem = static_cast<Exchange*>(self)->problem;
+    problem.assign(static_cast<const char*>(text), size);
+    std::replace(problem.begin(), problem.end(), '\n', ',');  // an error is one line
+  }
+  static float* allocate(void* self, const TwopassPicture* picture) {
+    constexpr std::int64_t most_values = std::int64_t{1} << 30;
+    if (picture->width < 1 || picture->height < 1 ||
+        picture->width > most_values / picture->height / picture->channel_count)
+      return nullptr;
+    std::vector<std::string> names;
+    for (std::string_view rest = picture->channels; !rest.empty();) {
+      const std::size_t end = std::min(rest.find('\n'), rest.size());
+      names.emplace_back(rest.substr(0, end));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    RasterImage& result = static_cast<Exchange*>(self)->picture;
+    result.image = Image(picture->width, picture->height, std::move(names));
+    result.display_referred = picture->is_integer != 0;
+    return result.image.pixels.data();
+  }
+};
+
+template <class Integer>
+std::vector<Integer> quantized(const Image& image, std::string_view where) {
+  constexpr auto white = static_cast<float>(std::numeric_limits<Integer>::max());
+  std::vector<Integer> samples;
+  samples.reserve(3 * image.pixel_count());
+  for (const C3f& c : rgb_pixels(image, where))
+    for (int i = 0; i < 3; ++i) {
+      const float value = std::isfinite(c[i]) ? std::clamp(c[i], 0.0f, 1.0f) : 0.0f;
+      samples.push_back(static_cast<Integer>(value * white + 0.5f));
+    }
+  return samples;
+}
+
+std::string format_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace
+
+void write_raster(const fs::path& path, const Image& image) {
+  const std::string format = format_of(path);
+  const bool deep = format.starts_with("tif");
+  const std::vector<std::uint16_t> samples16 =
+      deep ? quantized<std::uint16_t>(image, path.string()) : std::vector<std::uint16_t>();
+  const std::vector<std::uint8_t> samples8 =
+      deep ? std::vector<std::uint8_t>() : quantized<std::uint8_t>(image, path.string());
+  const TwopassRaster raster{format.c_str(), image.width, image.height, deep ? 16 : 8,
+                             deep ? static_cast<const void*>(samples16.data()) : samples8.data()};
+  Exchange exchange;
+  if (module().encode(&raster, Exchange::take_bytes, Exchange::take_problem, &exchange) == 0)
+    throw Error(path.string(), "it cannot be encoded: " + exchange.problem, "use .png or .exr");
+  write_atomically(path, exchange.bytes);
+}
+
+RasterImage read_raster(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) throw Error(path.string(), "there is no such file", "check the name");
+  if (fs::is_directory(path, ignored)) throw Error(path.string(), "it is a folder", "give the name of a file");
+  Exchange exchange;
+  if (module().decode(path.c_str(), Exchange::allocate, Exchange::take_problem, &exchange) == 0)
+    throw Error(path.string(), "it cannot be read: " + exchange.problem, "convert it to .png or .exr");
+  return std::move(exchange.picture);
+}
+
+}  // namespace twopass
