@@ -1,0 +1,44 @@
+// Rays, and what they hit.
+#pragma once
+
+#include "materials/material.h"
+#include "render/core/frame.h"
+#include "render/core/types.h"
+
+namespace twopass {
+
+inline constexpr std::uint32_t no_index = 0xffffffffu;
+
+struct Ray {
+  V3f origin;
+  V3f direction;  ///< unit length unless a function says otherwise
+};
+
+/// The nearest intersection, in the ray caster's terms.
+struct Hit {
+  std::uint32_t shape = no_index;  ///< no_index: the ray escaped
+  std::uint32_t primitive = 0;     ///< triangle of the mesh; 0 for a sphere
+  float t = infinity_f;            ///< distance in units of the direction's length
+  float u = 0.0f, v = 0.0f;  ///< barycentric coordinates of the triangle's corners 1 and 2; unused for a sphere
+  [[nodiscard]] bool escaped() const { return shape == no_index; }
+};
+
+/// A point of a surface as seen from a direction: all that shading, look-ups and new rays need.
+struct SurfacePoint {
+  V3f position;
+  V3f geometric_normal;  ///< unit, on the viewer's side
+  Frame shading;         ///< its normal is on the viewer's side
+  float offset;  ///< how far along the normal a new ray must start to clear the surface's rounding errors
+  float u, v;    ///< barycentric coordinates as in Hit
+  std::uint32_t shape, primitive;
+  Side side;  ///< the side that the viewer sees
+};
+
+/// Start of a ray that leaves the surface towards `direction` (Waechter and Binder, Ray Tracing Gems ch. 6: the
+/// step scales with the coordinates' rounding, nothing is absolute).
+inline V3f spawn_position(const SurfacePoint& point, const V3f& direction) {
+  const float step = direction.dot(point.geometric_normal) >= 0.0f ? point.offset : -point.offset;
+  return point.position + point.geometric_normal * step;
+}
+
+}  // namespace twopass

@@ -1,0 +1,35 @@
+// Ray casting: the only place that knows Embree (3 or 4).
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "render/scene/ray.h"
+#include "render/scene/shape.h"
+
+namespace twopass {
+
+/// An acceleration structure over shapes. Const and thread-safe once built.
+class RayCaster {
+ public:
+  /// REQUIRES: the shapes outlive the caster (spheres are read from them); meshes valid and finite.
+  /// Throws Error when Embree cannot build.
+  explicit RayCaster(std::span<const Shape> shapes);
+  ~RayCaster();
+  RayCaster(const RayCaster&) = delete;
+  RayCaster& operator=(const RayCaster&) = delete;
+
+  /// Nearest hit along the ray. A non-finite or out-of-range ray hits nothing.
+  [[nodiscard]] Hit intersect(const Ray& ray) const;
+  /// Whether anything lies on the open segment between two points. Both must already be clear of their own
+  /// surfaces. True for non-finite points.
+  [[nodiscard]] bool occluded(const V3f& from, const V3f& to) const;
+
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twopass

@@ -1,0 +1,89 @@
+#include "render/scene/ray_caster.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "render/core/sampler.h"
+#include "render/core/warp.h"
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+TEST(RayCaster, FindsTheNearestTriangleWithItsBarycentrics) {
+  const SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  const RayCaster caster(scene.shapes);
+  const Hit hit = caster.intersect({V3f(0.25f, 0.125f, 0.5f), V3f(0, 0, -1)});
+  ASSERT_FALSE(hit.escaped());
+  EXPECT_EQ(scene.shapes[hit.shape].name, "floor");
+  EXPECT_NEAR(hit.t, 0.5f, 1e-6f);
+  // Triangle 0 is (0,0) (1,0) (1,1): x = u + v, y = v.
+  EXPECT_EQ(hit.primitive, 0u);
+  EXPECT_NEAR(hit.u + hit.v, 0.25f, 1e-6f);
+  EXPECT_NEAR(hit.v, 0.125f, 1e-6f);
+}
+
+TEST(RayCaster, EmptySceneHitsNothing) {
+  const RayCaster caster(std::span<const Shape>{});
+  EXPECT_TRUE(caster.intersect({V3f(0.0f), V3f(0, 0, 1)}).escaped());
+  EXPECT_FALSE(caster.occluded(V3f(0.0f), V3f(1.0f)));
+}
+
+// Embree of Debian 12 aborts the process on such rays.
+TEST(RayCaster, RaysThatAreNotFiniteHitNothing) {
+  const SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  const RayCaster caster(scene.shapes);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float bad : {nan, infinity_f, -infinity_f, 1e30f}) {
+    EXPECT_TRUE(caster.intersect({V3f(0.5f, bad, 0.5f), V3f(0, 0, 1)}).escaped());
+    EXPECT_TRUE(caster.intersect({V3f(0.5f), V3f(0, bad, 1)}).escaped());
+    EXPECT_TRUE(caster.occluded(V3f(0.5f), V3f(bad, 0, 0)));
+    EXPECT_TRUE(caster.occluded(V3f(0.5f, 0, bad), V3f(0.0f)));
+  }
+}
+
+TEST(RayCaster, OcclusionIsOfTheOpenSegment) {
+  const SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  const RayCaster caster(scene.shapes);
+  EXPECT_FALSE(caster.occluded(V3f(0.5f, 0.5f, 0.1f), V3f(0.5f, 0.5f, 0.9f)));
+  EXPECT_TRUE(caster.occluded(V3f(0.5f, 0.5f, 0.1f), V3f(0.5f, 0.5f, 1.1f)));
+}
+
+// Directions from the middle of a closed room, some of them exactly at edges and corners: none may leak.
+TEST(RayCaster, ClosedRoomLeaksNothing) {
+  const SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  const RayCaster caster(scene.shapes);
+  int leaks = 0;
+  for (std::uint32_t i = 0; i < 200000; ++i) {
+    Sampler sampler(1, i, 0);
+    leaks += caster.intersect({V3f(0.5f), square_to_sphere(sampler.next_2d())}).escaped();
+  }
+  EXPECT_EQ(leaks, 0);
+}
+
+TEST(RayCaster, SpheresAreAnalyticInsideAndOut) {
+  std::vector<Shape> shapes(1);
+  shapes[0].geometry = Sphere{V3f(1, 2, 3), 0.5f, false};
+  const RayCaster caster(shapes);
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    Sampler sampler(1, i, 0);
+    const V3f w = square_to_sphere(sampler.next_2d());
+    EXPECT_NEAR(caster.intersect({V3f(1, 2, 3), w}).t, 0.5f, 1e-6f);
+    EXPECT_NEAR(caster.intersect({V3f(1, 2, 3) - w * 2.0f, w}).t, 1.5f, 2e-6f);
+    EXPECT_TRUE(caster.occluded(V3f(1, 2, 3) - w * 2.0f, V3f(1, 2, 3) + w * 2.0f));
+    EXPECT_FALSE(caster.occluded(V3f(1, 2, 3) - w * 0.4f, V3f(1, 2, 3) + w * 0.4f));
+  }
+}
+
+// From far away the discriminant of the textbook formula has no digits left.
+TEST(RayCaster, SmallSphereFarAwayIsHitWhereItIs) {
+  std::vector<Shape> shapes(1);
+  shapes[0].geometry = Sphere{V3f(1000.0f, 0, 0), 0.01f, false};
+  const RayCaster caster(shapes);
+  EXPECT_FALSE(caster.intersect({V3f(0, 0.0099f, 0), V3f(1, 0, 0)}).escaped());
+  EXPECT_TRUE(caster.intersect({V3f(0, 0.0101f, 0), V3f(1, 0, 0)}).escaped());
+}
+
+}  // namespace
+}  // namespace twopass
