@@ -1,0 +1,26 @@
+#include "render/load/load.h"
+
+#include "render/core/error.h"
+#include "render/load/load_obj_scene.h"
+#include "render/load/mitsuba_scene.h"
+#include "render/load/text_file.h"
+
+namespace twopass {
+
+LoadedScene load_scene(const std::filesystem::path& path, const Definitions& definitions) {
+  // A folder called "x.obj" or "x" is first of all a folder; say that before talking about extensions.
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw Error(path.string(), "this is a folder", "name a scene file in it");
+  const std::string extension = lower_case(path.extension().string());
+  if (extension == ".xml") return load_mitsuba_scene(path, definitions);
+  if (extension == ".obj") {
+    if (!definitions.empty())
+      throw Error("-D " + definitions.begin()->first, "an OBJ file has no parameters", "leave it out");
+    return load_obj_scene(path);
+  }
+  throw Error(path.string(), "unknown scene format '" + extension + "'",
+              "supported: .xml (Mitsuba 0.4 to 3.x), .obj (Wavefront)");
+}
+
+}  // namespace twopass

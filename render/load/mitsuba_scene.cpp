@@ -1,0 +1,104 @@
+#include "render/load/mitsuba_scene.h"
+
+#include "render/core/error.h"
+#include "render/load/mitsuba_bsdfs.h"
+#include "render/load/mitsuba_clip.h"
+#include "render/load/mitsuba_expand.h"
+#include "render/load/mitsuba_properties.h"
+#include "render/load/mitsuba_sensor.h"
+#include "render/load/mitsuba_shapes.h"
+
+namespace twopass {
+namespace {
+
+/// Reads the children of <scene> into a LoadedScene, in the order of the file.
+class SceneReader {
+ public:
+  explicit SceneReader(const MitsubaTree& tree) : tree_(tree), materials_(tree, loaded_.scene.materials) {}
+
+  LoadedScene run() {
+    // All settings and materials before the first shape: meshes take long to read, errors should not.
+    for (const XmlNode& node : tree_.root.children)
+      if (node.tag != "shape") read(node);
+    for (const XmlNode& node : tree_.root.children)
+      if (node.tag == "shape") read_shape(node);
+    if (loaded_.scene.camera) note_clipping(loaded_.scene, clip_, notes_);
+    loaded_.notes = notes_.lines();
+    return std::move(loaded_);
+  }
+
+ private:
+  void read(const XmlNode& node) {
+    if (!is_object(node) && node.tag != "ref")
+      throw Error(node.where(), "<" + node.tag + "> outside of an object",
+                  "move it into the object that it belongs to");
+    if (node.tag == "bsdf")
+      materials_.of(node);
+    else if (node.tag == "sensor")
+      read_sensor(node);
+    else if (node.tag == "integrator")
+      read_integrator(node);
+    else if (node.tag == "emitter")
+      read_emitter(node);
+    else if (node.tag == "ref")
+      throw Error(node.where(), "a <ref> outside of an object", "move it into the object that uses it");
+    else if (node.tag != "spectrum" && node.tag != "film" && node.tag != "sampler" && node.tag != "rfilter")
+      // Those four are read where something refers to them.
+      throw Error(node.where(), "<" + node.tag + "> is not supported",
+                  "a scene holds: bsdf, emitter, integrator, sensor, shape");
+  }
+
+  void read_sensor(const XmlNode& node) {
+    if (loaded_.scene.camera) {
+      notes_.add(node.where() + ": the scene has several sensors; the first one is used");
+      return;
+    }
+    loaded_.scene.camera = read_mitsuba_sensor(node, tree_, loaded_.settings, clip_, notes_);
+  }
+
+  void read_integrator(const XmlNode& node) {
+    if (integrator_)
+      throw Error(node.where(), "a second integrator, the first is at " + integrator_->where(), "give one");
+    integrator_ = &node;
+    read_mitsuba_integrator(node, tree_, loaded_.settings, notes_);
+  }
+
+  void read_emitter(const XmlNode& node) {
+    if (node.get("type") == "area")
+      throw Error(node.where(), "emitter 'area' outside of a shape", "move it into the shape that emits");
+    constexpr Named<int> supported[] = {{"constant", 0}, {"area", 0}};
+    plugin_of_type<int>(supported, node);
+    if (sky_)
+      throw Error(node.where(), "a second 'constant' emitter, the first is at " + sky_->where(), "give one");
+    sky_ = &node;
+    Properties p(node, tree_);
+    loaded_.scene.sky = p.color("radiance", ColorUse::emission).value_or(C3f(1.0f));
+    p.ignore({"sampling_weight", "to_world"});  // the same from all directions
+    p.finish();
+  }
+
+  void read_shape(const XmlNode& node) {
+    const std::string name = node.get("type") + "-" + std::to_string(++shape_count_);
+    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, notes_);
+    const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+    if (!mesh || !mesh->triangles.empty()) loaded_.scene.shapes.push_back(std::move(shape));
+  }
+
+  const MitsubaTree& tree_;
+  LoadedScene loaded_;
+  MitsubaMaterials materials_;
+  Notes notes_;
+  ClipPlanes clip_;
+  const XmlNode* integrator_ = nullptr;
+  const XmlNode* sky_ = nullptr;
+  int shape_count_ = 0;
+};
+
+}  // namespace
+
+LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions) {
+  const MitsubaTree tree = read_mitsuba(path, definitions);
+  return SceneReader(tree).run();
+}
+
+}  // namespace twopass

@@ -1,0 +1,147 @@
+#include "render/load/mitsuba_shapes.h"
+
+#include <numeric>
+
+#include "render/core/error.h"
+#include "render/load/mesh_tools.h"
+#include "render/load/mitsuba_properties.h"
+#include "render/load/obj_file.h"
+
+namespace twopass {
+namespace {
+
+using Geometry = std::variant<Mesh, Sphere>;
+
+/// A flat quadrilateral of two triangles, counter-clockwise from a, with the unit square as texture
+/// coordinates.
+void add_quad(Mesh& mesh, const V3f& a, const V3f& b, const V3f& c, const V3f& d) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), {a, b, c, d});
+  mesh.uvs.insert(mesh.uvs.end(), {V2f(0, 0), V2f(1, 0), V2f(1, 1), V2f(0, 1)});
+  mesh.triangles.emplace_back(first, first + 1, first + 2);
+  mesh.triangles.emplace_back(first, first + 2, first + 3);
+}
+
+/// To world space, keeping the front where it was: a mirror image needs the opposite winding.
+Mesh place(Mesh mesh, Properties& p) {
+  const M44d to_world = p.transform("to_world");
+  transform(mesh, to_world, p.where("to_world"));
+  if (is_mirroring(to_world)) reverse_winding(mesh);
+  if (p.boolean("flip_normals", false)) flip(mesh);
+  return mesh;
+}
+
+Geometry read_rectangle(Properties& p, const MitsubaTree&, Notes&) {
+  Mesh mesh;
+  add_quad(mesh, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
+  return place(std::move(mesh), p);
+}
+
+Geometry read_cube(Properties& p, const MitsubaTree&, Notes&) {
+  Mesh mesh;
+  add_quad(mesh, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1});
+  add_quad(mesh, {1, -1, -1}, {-1, -1, -1}, {-1, 1, -1}, {1, 1, -1});
+  add_quad(mesh, {1, -1, 1}, {1, -1, -1}, {1, 1, -1}, {1, 1, 1});
+  add_quad(mesh, {-1, -1, -1}, {-1, -1, 1}, {-1, 1, 1}, {-1, 1, -1});
+  add_quad(mesh, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}, {-1, 1, -1});
+  add_quad(mesh, {-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1});
+  return place(std::move(mesh), p);
+}
+
+Geometry read_sphere(Properties& p, const MitsubaTree&, Notes&) {
+  const V3d center = p.point("center", V3d(0.0));
+  const double radius = p.number("radius").value_or(1.0);
+  if (!(radius > 0.0)) throw Error(p.where("radius"), "a sphere's radius must be positive", "correct it");
+  const M44d to_world = p.transform("to_world");
+  const V3d r0(to_world[0][0], to_world[0][1], to_world[0][2]),
+      r1(to_world[1][0], to_world[1][1], to_world[1][2]), r2(to_world[2][0], to_world[2][1], to_world[2][2]);
+  const double scale = r0.length();
+  // Exporters write six digits.
+  const double tolerance = 1e-4 * scale;
+  const bool is_uniform =
+      std::abs(r1.length() - scale) <= tolerance && std::abs(r2.length() - scale) <= tolerance &&
+      std::abs(r0.dot(r1)) <= tolerance * scale && std::abs(r1.dot(r2)) <= tolerance * scale &&
+      std::abs(r2.dot(r0)) <= tolerance * scale;
+  if (!is_uniform || !(scale > 0.0))
+    throw Error(p.where("to_world"), "a sphere cannot be scaled differently along its axes",
+                "scale it uniformly, or use an OBJ mesh");
+  V3d world_center;
+  to_world.multVecMatrix(center, world_center);
+  const double world_radius = radius * scale;
+  if (!(std::abs(world_center.x) <= largest_coordinate && std::abs(world_center.y) <= largest_coordinate &&
+        std::abs(world_center.z) <= largest_coordinate && world_radius <= largest_coordinate) ||
+      !(static_cast<float>(world_radius) > 0.0f))
+    throw Error(p.where("to_world"), "the sphere is too large, too small or too far away", "use other units");
+  return Sphere{V3f(world_center), static_cast<float>(world_radius), p.boolean("flip_normals", false)};
+}
+
+Geometry read_obj_shape(Properties& p, const MitsubaTree& tree, Notes& notes) {
+  const std::optional<std::string> name = p.text("filename");
+  if (!name)
+    throw Error(p.where(), "shape 'obj' has no filename", "add <string name=\"filename\" value=\"...\"/>");
+  const XmlNode& filename = *p.element("filename", {"string"});
+  const bool face_normals = p.boolean("face_normals", false);
+  const bool flip_v = p.boolean("flip_tex_coords", true);
+  p.ignore({"max_smooth_angle", "collapse"});
+
+  const ObjFile file = read_obj(find_file(tree, filename, *name), notes);
+  std::vector<std::uint32_t> faces(file.faces.size());
+  std::iota(faces.begin(), faces.end(), 0u);
+  Mesh mesh = mesh_of_faces(file, faces);
+  if (flip_v)
+    for (V2f& uv : mesh.uvs) uv.y = 1.0f - uv.y;
+  // Mitsuba's rules: without normals in the file they are computed, smooth; face_normals discards both kinds.
+  // The winding stays as it comes out of the transform, even mirrored, unless normals say otherwise.
+  if (face_normals) mesh.normals.clear();
+  transform(mesh, p.transform("to_world"), p.where("to_world"));
+  if (drop_degenerate_triangles(mesh) > 0)
+    notes.add(p.where("filename") + ": triangles without area in '" + *name + "' are left out");
+  if (!face_normals && mesh.normals.empty()) compute_smooth_normals(mesh);
+  orient_by_normals(mesh);
+  drop_flat_normals(mesh);
+  if (p.boolean("flip_normals", false)) flip(mesh);
+  return mesh;
+}
+
+using Reader = Geometry (*)(Properties&, const MitsubaTree&, Notes&);
+
+constexpr Named<Reader> readers[] = {
+    {"cube", read_cube},
+    {"obj", read_obj_shape},
+    {"rectangle", read_rectangle},
+    {"sphere", read_sphere},
+};
+
+C3f read_area_emitter(const XmlNode& node, const MitsubaTree& tree) {
+  constexpr Named<int> supported[] = {{"area", 0}};
+  plugin_of_type<int>(supported, node);
+  Properties p(node, tree);
+  const C3f radiance = p.color("radiance", ColorUse::emission).value_or(C3f(1.0f));
+  p.ignore({"sampling_weight"});
+  p.finish();
+  return radiance;
+}
+
+}  // namespace
+
+Shape read_mitsuba_shape(const XmlNode& node, const MitsubaTree& tree, const std::string& name,
+                         MitsubaMaterials& materials, Notes& notes) {
+  const Reader reader = plugin_of_type<Reader>(readers, node);
+  Properties properties(node, tree);
+  const XmlNode* emitter = properties.object_of("emitter");
+  const XmlNode* bsdf = properties.object_of("bsdf");
+  // Cheap things first: a scene full of meshes with an unsupported material should fail before reading them.
+  Shape shape;
+  shape.name = properties.id_or(name);
+  shape.material = bsdf ? materials.of(*bsdf) : materials.standard(emitter != nullptr);
+  if (emitter) shape.radiance[front] = read_area_emitter(*emitter, tree);
+  properties.ignore({"silhouette_sampling_weight"});
+  shape.geometry = reader(properties, tree, notes);
+  properties.finish();
+  if (Mesh* mesh = std::get_if<Mesh>(&shape.geometry))
+    if (drop_degenerate_triangles(*mesh) > 0)
+      notes.add(node.where() + ": triangles of shape '" + shape.name + "' without area are left out");
+  return shape;
+}
+
+}  // namespace twopass

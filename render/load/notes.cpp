@@ -1,0 +1,28 @@
+#include "render/load/notes.h"
+
+#include <algorithm>
+
+namespace twopass {
+
+void Notes::add(std::string note) {
+  const auto same = std::ranges::find(entries_, note, &Entry::text);
+  if (same == entries_.end())
+    entries_.push_back({std::move(note), 1});
+  else
+    ++same->count;
+}
+
+std::vector<std::string> Notes::lines() const {
+  std::vector<std::string> lines;
+  // One line too many is worth printing: "and 1 more" would take as much room.
+  const std::size_t shown = entries_.size() <= most_lines + 1 ? entries_.size() : most_lines;
+  for (std::size_t i = 0; i < shown; ++i) {
+    const Entry& entry = entries_[i];
+    lines.push_back(entry.count == 1 ? entry.text
+                                     : entry.text + " (" + std::to_string(entry.count) + " times)");
+  }
+  if (shown < entries_.size()) lines.push_back("and " + std::to_string(entries_.size() - shown) + " more");
+  return lines;
+}
+
+}  // namespace twopass

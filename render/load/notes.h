@@ -1,0 +1,28 @@
+// What a loader replaced, repaired or left out: collected while loading, told to the user in a few lines.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace twopass {
+
+/// Notes in the order of their first appearance, each once.
+class Notes {
+ public:
+  static constexpr std::size_t most_lines = 10;
+
+  /// Remembers `note`. The same note again is counted, not repeated.
+  void add(std::string note);
+  /// The notes, one line each; repeated ones end in "(N times)". Beyond most_lines the last line is
+  /// "and N more".
+  [[nodiscard]] std::vector<std::string> lines() const;
+
+ private:
+  struct Entry {
+    std::string text;
+    int count;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace twopass

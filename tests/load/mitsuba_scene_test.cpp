@@ -1,0 +1,104 @@
+#include "render/load/mitsuba_scene.h"
+
+#include "tests/load/load_fixture.h"
+
+namespace twopass {
+namespace {
+
+class MitsubaScene : public LoadTest {
+ protected:
+  LoadedScene read(const std::string& body) const {
+    return load_xml("<scene version='3.0.0'>\n" + body + "\n</scene>");
+  }
+};
+
+TEST_F(MitsubaScene, AnEmptySceneIsAScene) {
+  const LoadedScene loaded = read("");
+  EXPECT_TRUE(loaded.scene.shapes.empty());
+  EXPECT_TRUE(loaded.notes.empty());
+}
+
+TEST_F(MitsubaScene, ConstantEmittersAreSky) {
+  EXPECT_EQ(read("").scene.sky, C3f(0.0f));
+  EXPECT_EQ(read("<emitter type='constant'><rgb name='radiance' value='1 2 3'/></emitter>").scene.sky,
+            C3f(1, 2, 3));
+  EXPECT_EQ(read("<emitter type='constant'/>").scene.sky, C3f(1.0f));
+  expect_error([&] { read("<emitter type='constant'/>\n<emitter type='constant'/>"); },
+               {"scene.xml:3: a second 'constant' emitter, the first is at", "scene.xml:2"});
+}
+
+TEST_F(MitsubaScene, OtherEmittersAreRefused) {
+  expect_error([&] { read("<emitter type='envmap'/>"); },
+               {"scene.xml:2: emitter 'envmap' is not supported; supported emitters: constant, area"});
+  expect_error([&] { read("<emitter type='area'/>"); }, {"emitter 'area' outside of a shape"});
+}
+
+TEST_F(MitsubaScene, StrayElementsAreRefused) {
+  expect_error([&] { read("<texture type='bitmap' id='t'/>"); }, {"scene.xml:2: <texture> is not supported"});
+  expect_error([&] { read("<medium type='homogeneous' id='m'/>"); }, {"<medium> is not supported"});
+  expect_error([&] { read("<float name='x' value='1'/>"); }, {"<float> outside of an object"});
+}
+
+TEST_F(MitsubaScene, SeveralSensorsLeaveTheFirst) {
+  const LoadedScene loaded = read(
+      "<sensor type='perspective'><float name='fov' value='10'/></sensor>"
+      "<sensor type='perspective'><float name='fov' value='20'/></sensor>");
+  EXPECT_EQ(loaded.scene.camera->fov_degrees, 10.0);
+  EXPECT_TRUE(has_note(loaded, "several sensors; the first one is used"));
+}
+
+TEST_F(MitsubaScene, FilmsMayBeReferenced) {
+  const LoadedScene loaded = read(
+      "<film type='hdrfilm' id='f'><integer name='width' value='5'/></film>"
+      "<sensor type='perspective'><ref id='f'/></sensor>");
+  EXPECT_EQ(loaded.settings.width, 5);
+}
+
+TEST_F(MitsubaScene, MaterialsFailBeforeMeshesAreRead) {
+  write("bad.obj", "not an obj");
+  expect_error(
+      [&] {
+        read(
+            "<shape type='obj'><string name='filename' value='bad.obj'/><ref id='p'/></shape>\n"
+            "<bsdf type='plastic' id='p'/>");
+      },
+      {"scene.xml:3: bsdf 'plastic' is not supported"});
+}
+
+TEST_F(MitsubaScene, ParametersReachTheSettings) {
+  const std::string text =
+      "<scene version='3.0.0'><default name='spp' value='4'/><default name='i' value='path'/>"
+      "<integrator type='$i'/><sensor type='perspective'><sampler type='independent'>"
+      "<integer name='sample_count' value='$spp'/></sampler></sensor></scene>";
+  EXPECT_EQ(load_xml(text).settings.samples_per_pixel, 4);
+  const LoadedScene loaded = load_xml(text, {{"spp", "99"}, {"i", "unbiased"}});
+  EXPECT_EQ(loaded.settings.samples_per_pixel, 99);
+  EXPECT_EQ(loaded.settings.integrator, "unbiased");
+}
+
+TEST_F(MitsubaScene, OldVersionsLoad) {
+  const LoadedScene loaded = load_xml(
+      "<?xml version='1.0' encoding='utf-8'?>\n<scene version='0.6.0'><integrator type='path'>"
+      "<integer name='maxDepth' value='65'/><integer name='rrDepth' value='9'/>"
+      "<boolean name='strictNormals' value='true'/><boolean name='hideEmitters' value='true'/></integrator>"
+      "<sensor type='perspective'><float name='fov' value='35'/><string name='fovAxis' value='y'/>"
+      "<float name='nearClip' value='0.1'/><transform name='toWorld'><lookAt origin='0,0,5' target='0,0,0' "
+      "up='0,1,0'/>"
+      "</transform><film type='hdrfilm'><string name='fileFormat' value='openexr'/>"
+      "<string name='componentFormat' value='float32'/><boolean name='attachLog' "
+      "value='false'/></film></sensor>"
+      "<shape type='rectangle'><boolean name='flipNormals' value='true'/><transform name='toWorld'><scale "
+      "value='2'/>"
+      "</transform></shape></scene>");
+  EXPECT_EQ(loaded.settings.max_depth, 65);
+  EXPECT_EQ(loaded.settings.rr_depth, 9);
+  EXPECT_TRUE(loaded.settings.hide_emitters);
+  EXPECT_EQ(loaded.settings.half, false);
+  EXPECT_EQ(loaded.scene.camera->fov_axis, FovAxis::y);
+  expect_near(normal_of(mesh_of(loaded), 0), {0, 0, -1});
+  EXPECT_NEAR(area_of(mesh_of(loaded)), 16.0, 1e-5);
+  EXPECT_TRUE(loaded.notes.empty());
+}
+
+}  // namespace
+}  // namespace twopass
