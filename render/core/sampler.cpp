@@ -37,19 +37,21 @@ float to_unit_float(std::uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-
 
 }  // namespace
 
-void owen_sobol_2d(std::uint32_t index, std::uint32_t seed, std::uint32_t& x, std::uint32_t& y) {
+void owen_sobol_2d(std::uint32_t index, std::uint32_t seed_x, std::uint32_t seed_y, std::uint32_t& x,
+                   std::uint32_t& y) {
   // The first Sobol dimension is the reversed index, so its reversed bits are the index itself.
-  x = reverse_bits(scramble_reversed(index, hash_words(seed, 1)));
-  y = reverse_bits(scramble_reversed(sobol_dimension_1_reversed(index), hash_words(seed, 2)));
+  x = reverse_bits(scramble_reversed(index, seed_x));
+  y = reverse_bits(scramble_reversed(sobol_dimension_1_reversed(index), seed_y));
 }
 
 V2f Sampler::next_2d() {
-  const std::uint32_t seed = hash_words(key_, pair_++);
+  const std::uint64_t seeds = hash_words(key_, pair_++);
   // Shuffling the index (itself an Owen scramble, so that every aligned block of 2^k samples stays one) makes
   // pairs independent.
-  const std::uint32_t shuffled = reverse_bits(scramble_reversed(reverse_bits(index_), seed));
+  const std::uint32_t shuffled =
+      reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<std::uint32_t>(seeds >> 16)));
   std::uint32_t x, y;
-  owen_sobol_2d(shuffled, seed, x, y);
+  owen_sobol_2d(shuffled, static_cast<std::uint32_t>(seeds), static_cast<std::uint32_t>(seeds >> 32), x, y);
   return {to_unit_float(x), to_unit_float(y)};
 }
 

@@ -34,6 +34,14 @@ inline constexpr float infinity_f = std::numeric_limits<float>::infinity();
 inline bool is_finite(const V2f& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 inline bool is_finite(const V3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+/// v / |v|. Tiny vectors keep their direction; zero stays zero.
+inline V3f unit(const V3f& v) {
+  const float length2 = v.dot(v);
+  if (length2 > 1e-30f && length2 < 1e30f)
+    return v * (1.0f / std::sqrt(length2));  // no under- or overflow: the fast way
+  return v.normalized();
+}
+
 inline float max_component(const V3f& v) { return std::max({v.x, v.y, v.z}); }
 inline float max_abs_component(const V3f& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 inline float mean_component(const V3f& v) { return (v.x + v.y + v.z) * (1.0f / 3.0f); }

@@ -2,15 +2,34 @@
 // angle, _a area.
 #pragma once
 
+#include <bit>
+
 #include "render/core/types.h"
 
 namespace twopass {
 
+/// The point of the unit circle at `u` turns, u in [0, 1], to 4e-7. A fraction of the cost of sine and cosine
+/// from the library, which showed in profiles.
+inline V2f circle(float u) {
+  const int quadrant = static_cast<int>(4.0f * u + 0.5f);
+  const float x = (u - 0.25f * static_cast<float>(quadrant)) * (2.0f * pi_f);  // in [-pi/4, pi/4]
+  const float x2 = x * x;
+  // Taylor polynomials: the first omitted terms are 3e-7 x and 2.5e-8 there.
+  const float s = x * (1.0f + x2 * (-1.0f / 6 + x2 * (1.0f / 120 + x2 * (-1.0f / 5040))));
+  const float c = 1.0f + x2 * (-0.5f + x2 * (1.0f / 24 + x2 * (-1.0f / 720 + x2 * (1.0f / 40320))));
+  // Turned by the quadrant with bits instead of branches, which random angles would mispredict.
+  const auto bits_s = std::bit_cast<std::uint32_t>(s), bits_c = std::bit_cast<std::uint32_t>(c);
+  const auto q = static_cast<std::uint32_t>(quadrant);
+  const std::uint32_t exchange = (bits_s ^ bits_c) & (0u - (q & 1u));
+  return {std::bit_cast<float>((bits_c ^ exchange) ^ ((q + 1u) & 2u) << 30),
+          std::bit_cast<float>((bits_s ^ exchange) ^ (q & 2u) << 30)};
+}
+
 /// Cosine-weighted direction of the upper hemisphere (z >= 0).
 inline V3f square_to_cosine_hemisphere(const V2f& u) {
   const float radius = std::sqrt(u.x);
-  const float phi = 2.0f * pi_f * u.y;
-  return {radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1.0f - u.x)};
+  const V2f around = circle(u.y) * radius;
+  return {around.x, around.y, std::sqrt(1.0f - u.x)};
 }
 inline float cosine_hemisphere_pdf_w(float cos_theta) { return std::max(cos_theta, 0.0f) * (1.0f / pi_f); }
 
@@ -25,8 +44,8 @@ inline V2f square_to_triangle(const V2f& u) {
 inline V3f square_to_sphere(const V2f& u) {
   const float z = 1.0f - 2.0f * u.x;
   const float radius = std::sqrt(std::max(0.0f, 1.0f - z * z));
-  const float phi = 2.0f * pi_f * u.y;
-  return {radius * std::cos(phi), radius * std::sin(phi), z};
+  const V2f around = circle(u.y) * radius;
+  return {around.x, around.y, z};
 }
 
 /// Uniform direction of the cone of directions around +z with 1 - cos(half angle) = `one_minus_cos_max`.
@@ -34,8 +53,8 @@ inline V3f square_to_cone(const V2f& u, float one_minus_cos_max) {
   const float one_minus_z = u.x * one_minus_cos_max;
   // 1 - z^2 without cancellation, so that narrow cones keep their digits.
   const float radius = std::sqrt(std::max(0.0f, one_minus_z * (2.0f - one_minus_z)));
-  const float phi = 2.0f * pi_f * u.y;
-  return {radius * std::cos(phi), radius * std::sin(phi), 1.0f - one_minus_z};
+  const V2f around = circle(u.y) * radius;
+  return {around.x, around.y, 1.0f - one_minus_z};
 }
 inline float cone_pdf_w(float one_minus_cos_max) { return 1.0f / (2.0f * pi_f * one_minus_cos_max); }
 

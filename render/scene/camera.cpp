@@ -70,8 +70,6 @@ Camera::Camera(const CameraDescription& description, int width, int height) {
   corner_ = V3f(row(2) - dx * (0.5 * w) - dy * (0.5 * h));
 }
 
-Ray Camera::ray(const V2f& pixel) const {
-  return {origin_, (corner_ + dx_ * pixel.x + dy_ * pixel.y).normalized()};
-}
+Ray Camera::ray(const V2f& pixel) const { return {origin_, unit(corner_ + dx_ * pixel.x + dy_ * pixel.y)}; }
 
 }  // namespace twopass

@@ -14,6 +14,10 @@ float one_minus_cos_max(float radius, float d2) {
   return sin2 / (1.0f + std::sqrt(std::max(0.0f, 1.0f - sin2)));
 }
 
+// Whether the receiver is far enough outside of the sphere for its cone to have digits. On the surface itself,
+// where rounding would toss a coin, it is not.
+bool sees_cone(float radius, float d2) { return d2 > 1.001f * radius * radius; }
+
 // The side of a sphere that faces the outside.
 Side outside(const Sphere& sphere) { return sphere.inward ? back : front; }
 
@@ -26,21 +30,26 @@ Lights::Lights(std::span<const Shape> shapes) : shapes_(shapes), first_entry_(sh
     if (!is_emitter(shape)) continue;
     const double exitance = pi * (mean_component(shape.radiance[front]) + mean_component(shape.radiance[back]));
     first_entry_[s] = static_cast<std::uint32_t>(entries_.size());
-    const auto add = [&](std::uint32_t primitive, double area) {
-      entries_.push_back({s, primitive, static_cast<float>(area)});
+    const auto add = [&](Entry entry, double area) {
+      entry.pdf_a = static_cast<float>(1.0 / area);
+      entries_.push_back(entry);
       power.push_back(exitance * area);
     };
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-      add(0, 4.0 * pi * sphere->radius * sphere->radius);
+      add({s, 0.0f, rounding_offset(*sphere), {}, {}, {}, {}}, 4.0 * pi * sphere->radius * sphere->radius);
       continue;
     }
     const Mesh& mesh = std::get<Mesh>(shape.geometry);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto p = corners(mesh, i);
-      add(i, 0.5 * (V3d(p[1]) - V3d(p[0])).cross(V3d(p[2]) - V3d(p[0])).length());
+      const V3f e1 = p[1] - p[0], e2 = p[2] - p[0];
+      add({s, 0.0f, rounding_offset(p), p[0], e1, e2, unit(e1.cross(e2))},
+          0.5 * V3d(e1).cross(V3d(e2)).length());
     }
   }
   choice_ = DiscreteDistribution(power);
+  if (choice_.empty()) return;
+  for (std::uint32_t i = 0; i < entries_.size(); ++i) entries_[i].pdf_a *= choice_.probability(i);
 }
 
 LightSample Lights::sample(const V3f& receiver, const V2f& u) const {
@@ -49,21 +58,16 @@ LightSample Lights::sample(const V3f& receiver, const V2f& u) const {
   const Shape& shape = shapes_[entry.shape];
   const V2f v(choice.remapped, u.y);
 
-  V3f position, normal;  // the normal of the front
-  float pdf_a = choice.probability / entry.area, offset;
-  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-    const auto p = corners(*mesh, entry.primitive);
+  V3f position, normal = entry.normal;  // the normal of the front
+  if (std::holds_alternative<Mesh>(shape.geometry)) {
     const V2f b = square_to_triangle(v);
-    position = p[0] * (1.0f - b.x - b.y) + p[1] * b.x + p[2] * b.y;
-    normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-    offset = rounding_offset(p);
+    position = entry.corner + entry.edge1 * b.x + entry.edge2 * b.y;
   } else {
     const Sphere& sphere = std::get<Sphere>(shape.geometry);
     const V3f to_center = sphere.center - receiver;
     const float d2 = to_center.dot(to_center);
     const float sign = sphere.inward ? -1.0f : 1.0f;
-    offset = rounding_offset(sphere);
-    if (d2 > sphere.radius * sphere.radius) {
+    if (sees_cone(sphere.radius, d2)) {
       const float spread = one_minus_cos_max(sphere.radius, d2);
       const V3f direction = Frame(to_center * (1.0f / std::sqrt(d2))).to_world(square_to_cone(v, spread));
       double near, far;
@@ -71,7 +75,7 @@ LightSample Lights::sample(const V3f& receiver, const V2f& u) const {
       // rounding.
       if (!intersect_sphere(sphere, receiver, direction, near, far)) near = to_center.dot(direction);
       const V3f outward = (V3f(V3d(receiver) + V3d(direction) * near) - sphere.center).normalized();
-      position = sphere.center + outward * (sphere.radius + offset);
+      position = sphere.center + outward * (sphere.radius + entry.offset);
       return {position, direction, shape.radiance[outside(sphere)], choice.probability * cone_pdf_w(spread)};
     }
     const V3f outward = square_to_sphere(v);
@@ -87,7 +91,8 @@ LightSample Lights::sample(const V3f& receiver, const V2f& u) const {
   const Side side = cosine >= 0.0f ? front : back;
   const V3f toward_receiver = side == front ? normal : -normal;
   if (cosine == 0.0f) return {position, direction, C3f(0.0f), 0.0f};
-  return {position + toward_receiver * offset, direction, shape.radiance[side], pdf_a * d2 / std::abs(cosine)};
+  return {position + toward_receiver * entry.offset, direction, shape.radiance[side],
+          entry.pdf_a * d2 / std::abs(cosine)};
 }
 
 float Lights::pdf_w(const V3f& receiver, const V3f& direction, float distance,
@@ -100,12 +105,12 @@ float Lights::pdf_w(const V3f& receiver, const V3f& direction, float distance,
   if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
     const V3f to_center = sphere->center - receiver;
     const float d2 = to_center.dot(to_center);
-    if (d2 > sphere->radius * sphere->radius)
+    if (sees_cone(sphere->radius, d2))
       return choice_.probability(entry) * cone_pdf_w(one_minus_cos_max(sphere->radius, d2));
   }
   const float cosine = std::abs(direction.dot(point.geometric_normal));
   if (cosine == 0.0f) return 0.0f;
-  return choice_.probability(entry) / entries_[entry].area * distance * distance / cosine;
+  return entries_[entry].pdf_a * distance * distance / cosine;
 }
 
 }  // namespace twopass

@@ -37,8 +37,10 @@ class Lights {
 
  private:
   struct Entry {
-    std::uint32_t shape, primitive;
-    float area;
+    std::uint32_t shape;
+    float pdf_a;  ///< of choosing this entry and a point of it
+    float offset;
+    V3f corner, edge1, edge2, normal;  // of a triangle's front; unused for a sphere
   };
   std::span<const Shape> shapes_;
   std::vector<Entry> entries_;

@@ -42,14 +42,16 @@ void query_occluded(RTCScene scene, RTCRay& ray) {
 }
 #endif
 
-RTCRay make_ray(const V3f& origin, const V3f& direction, float t_far) {
-  RTCRay ray{};
+// Written field by field in place: copying a finished ray would stall on its own stores.
+void set_ray(RTCRay& ray, const V3f& origin, const V3f& direction, float t_far) {
   ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
-  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
   ray.tnear = 0.0f;
+  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
+  ray.time = 0.0f;
   ray.tfar = t_far;
   ray.mask = 0xffffffffu;
-  return ray;
+  ray.id = 0;
+  ray.flags = 0;
 }
 
 // The nearest distance within (tnear, tfar) at which the ray meets the sphere; false if there is none.
@@ -171,7 +173,7 @@ Hit RayCaster::intersect(const Ray& ray) const {
   Hit hit;
   if (!is_valid(ray.origin) || !is_valid(ray.direction)) return hit;
   RTCRayHit query;
-  query.ray = make_ray(ray.origin, ray.direction, infinity_f);
+  set_ray(query.ray, ray.origin, ray.direction, infinity_f);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   query_intersect(impl_->scene, query);
@@ -187,7 +189,9 @@ Hit RayCaster::intersect(const Ray& ray) const {
 bool RayCaster::occluded(const V3f& from, const V3f& to) const {
   const V3f direction = to - from;
   if (!is_valid(from) || !is_valid(direction)) return true;
-  RTCRay ray = make_ray(from, direction, 1.0f);
+  RTCRay ray;
+  // The rounding of `direction` moves the end by some units in the last place of the whole length.
+  set_ray(ray, from, direction, 1.0f - 16.0f * std::numeric_limits<float>::epsilon());
   query_occluded(impl_->scene, ray);
   return ray.tfar < 0.0f;
 }

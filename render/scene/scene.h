@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/scene/camera.h"
+#include "render/scene/geometry.h"
 #include "render/scene/lights.h"
 #include "render/scene/ray_caster.h"
 #include "render/scene/shape.h"
@@ -35,7 +36,7 @@ class Scene {
   [[nodiscard]] const C3f& sky() const { return description_.sky; }
   [[nodiscard]] const Box3f& bounds() const { return bounds_; }
 
-  /// What the ray hit. REQUIRES: !hit.escaped().
+  /// What the ray hit. REQUIRES: !hit.escaped(). Inline, below: every vertex of every path calls it.
   [[nodiscard]] SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
   /// The scattering model on the side that the viewer sees.
   [[nodiscard]] const Bsdf& bsdf(const SurfacePoint& point) const {
@@ -52,5 +53,46 @@ class Scene {
   RayCaster caster_;
   Lights lights_;
 };
+
+inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
+  SurfacePoint point;
+  point.shape = hit.shape;
+  point.primitive = hit.primitive;
+  point.u = hit.u;
+  point.v = hit.v;
+  const Shape& shape = description_.shapes[hit.shape];
+  V3f normal, shading_normal;  // of the front
+  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+    const auto p = corners(*mesh, hit.primitive);
+    const float w = 1.0f - hit.u - hit.v;
+    point.position = p[0] * w + p[1] * hit.u + p[2] * hit.v;
+    normal = unit((p[1] - p[0]).cross(p[2] - p[0]));
+    point.offset = rounding_offset(p);
+    shading_normal = normal;
+    if (!mesh->normals.empty()) {
+      const V3u& index = mesh->triangles[hit.primitive];
+      const V3f n =
+          mesh->normals[index.x] * w + mesh->normals[index.y] * hit.u + mesh->normals[index.z] * hit.v;
+      if (n.dot(n) > 0.0f) shading_normal = unit(n);
+      // Normals that disagree with the winding by more than a right angle mean the same side, written inside
+      // out.
+      if (shading_normal.dot(normal) < 0.0f) shading_normal = -shading_normal;
+    }
+  } else {
+    const Sphere& sphere = std::get<Sphere>(shape.geometry);
+    const V3f outward = unit(ray.origin + ray.direction * hit.t - sphere.center);
+    point.position = sphere.center + outward * sphere.radius;
+    normal = sphere.inward ? -outward : outward;
+    point.offset = rounding_offset(sphere);
+    shading_normal = normal;
+  }
+  point.side = normal.dot(ray.direction) < 0.0f ? front : back;
+  point.geometric_normal = point.side == front ? normal : -normal;
+  if (point.side == back) shading_normal = -shading_normal;
+  // A viewer below the shading horizon would see a black rim: there the geometric normal shades.
+  if (shading_normal.dot(ray.direction) >= 0.0f) shading_normal = point.geometric_normal;
+  point.shading = Frame(shading_normal);
+  return point;
+}
 
 }  // namespace twopass

@@ -44,10 +44,10 @@ TEST(Sampler, PairsAreZeroTwoSequencesForEverySeed) {
 // its complement, for all indices alike.
 TEST(Sampler, FirstBitsAreThoseOfSobolOrTheirComplement) {
   std::uint32_t x0, y0;
-  owen_sobol_2d(0, 99, x0, y0);
+  owen_sobol_2d(0, 99, 77, x0, y0);
   for (std::uint32_t i = 0; i < 4096; ++i) {
     std::uint32_t x, y;
-    owen_sobol_2d(i, 99, x, y);
+    owen_sobol_2d(i, 99, 77, x, y);
     EXPECT_EQ((y ^ y0) >> 31, sobol_dimension_1(i) >> 31);
     EXPECT_EQ((x ^ x0) >> 31, i & 1);
   }

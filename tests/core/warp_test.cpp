@@ -37,6 +37,15 @@ double direction_test(Map map, Density density, bool whole_sphere) {
   return test::chi2_test(seen, expected);
 }
 
+TEST(Warp, CircleIsSineAndCosine) {
+  for (int i = 0; i <= 100000; ++i) {
+    const float u = static_cast<float>(i) / 100000;
+    const V2f p = circle(u);
+    ASSERT_NEAR(p.x, std::cos(2.0 * pi * u), 4e-7) << u;
+    ASSERT_NEAR(p.y, std::sin(2.0 * pi * u), 4e-7) << u;
+  }
+}
+
 TEST(Warp, CosineHemisphereHasItsDensity) {
   EXPECT_GT(direction_test(square_to_cosine_hemisphere, cosine_hemisphere_pdf_w, false), level);
 }

@@ -18,6 +18,8 @@ struct Case {
   Bsdf bsdf;
 };
 
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
 const Case cases[] = {
     {"diffuse", Diffuse{C3f(0.2f, 0.5f, 1.0f)}},
     {"black", Diffuse{C3f(0.0f)}},

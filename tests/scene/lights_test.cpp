@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "render/core/sampler.h"
+#include "render/core/warp.h"
 #include "render/scene/scene.h"
 #include "tests/support/scenes.h"
 #include "tests/support/statistics.h"
@@ -55,6 +56,20 @@ TEST(Lights, InsideOfASphereIsUniformlyBright) {
   const Lights lights(scene.shapes);
   const test::Estimate e = irradiance(lights, V3f(0.3f, 0.2f, -0.1f), V3f(0, 0.6f, 0.8f), 400000);
   EXPECT_NEAR(e.mean(), pi, 5 * e.standard_error());
+}
+
+// On the sphere itself rounding must not decide between inside and outside: from any point of it the irradiance
+// is pi.
+TEST(Lights, OnTheSurfaceOfASphereItIsUniformlyBrightToo) {
+  SceneDescription scene;
+  test::add_diffuse(scene, "dome", Sphere{V3f(0.3f, 0.1f, -0.2f), 1.0f, true}, C3f(0.0f), C3f(1.0f));
+  const Lights lights(scene.shapes);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const V3f outward = square_to_sphere(Sampler(9, i, 0).next_2d());
+    const test::Estimate e = irradiance(lights, V3f(0.3f, 0.1f, -0.2f) + outward, -outward, 2000);
+    // The kernel is constant: every sample gives the same.
+    EXPECT_NEAR(e.mean(), pi, 0.01);
+  }
 }
 
 // The density that sample() reports is the one that pdf_w() gives for what the shadow ray would hit.

@@ -6,6 +6,7 @@
 
 #include "render/core/sampler.h"
 #include "render/core/warp.h"
+#include "render/scene/lights.h"
 #include "tests/support/scenes.h"
 
 namespace twopass {
@@ -74,6 +75,24 @@ TEST(RayCaster, SpheresAreAnalyticInsideAndOut) {
     EXPECT_TRUE(caster.occluded(V3f(1, 2, 3) - w * 2.0f, V3f(1, 2, 3) + w * 2.0f));
     EXPECT_FALSE(caster.occluded(V3f(1, 2, 3) - w * 0.4f, V3f(1, 2, 3) + w * 0.4f));
   }
+}
+
+// A shadow ray to a tiny lamp far away must not be stopped by the lamp itself.
+TEST(RayCaster, SegmentsEndBeforeWhatTheyEndOn) {
+  SceneDescription scene;
+  test::add_diffuse(scene, "lamp", Sphere{V3f(0.0f), 1e-4f, false}, C3f(0.0f), C3f(1.0f));
+  test::add_diffuse(scene, "panel", test::quad(V3f(5, 5, 0), V3f(1e-4f, 0, 0), V3f(0, 1e-4f, 0)), C3f(0.0f),
+                    C3f(1.0f));
+  const RayCaster caster(scene.shapes);
+  const Lights lights(scene.shapes);
+  int blocked = 0;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    Sampler sampler(4, i, 0);
+    V3f p = square_to_sphere(sampler.next_2d()) * 10.0f;
+    p.z = std::abs(p.z);
+    blocked += caster.occluded(p, lights.sample(p, sampler.next_2d()).position);
+  }
+  EXPECT_EQ(blocked, 0);
 }
 
 // From far away the discriminant of the textbook formula has no digits left.

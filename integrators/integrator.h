@@ -1,0 +1,39 @@
+// Light along one ray: the contract of every integrator. Knows no pixel, no file, no thread.
+#pragma once
+
+#include <cstdint>
+
+#include "render/core/sampler.h"
+#include "render/scene/scene.h"
+
+namespace twopass {
+
+/// What rendering has cost so far; each thread has its own.
+struct RayCounts {
+  std::uint64_t rays = 0;         ///< nearest-hit queries
+  std::uint64_t shadow_rays = 0;  ///< visibility queries
+};
+
+/// What one camera ray sees.
+struct Seen {
+  C3f radiance{0.0f};  ///< W/(m2 sr)
+  float alpha = 0.0f;  ///< 1 where the ray meets a surface, 0 where it escapes
+};
+
+/// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct
+/// light.
+struct PathLimits {
+  int max_depth = -1;          ///< most edges; -1: no limit
+  int rr_depth = 5;            ///< edges before Russian roulette starts
+  bool hide_emitters = false;  ///< lights that the camera sees directly stay dark
+};
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+  /// An estimate of the radiance arriving along `ray` from where it points. Const and thread-safe; a pure
+  /// function of its arguments. `ray.direction` has unit length.
+  virtual Seen radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const = 0;
+};
+
+}  // namespace twopass

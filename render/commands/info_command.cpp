@@ -1,0 +1,114 @@
+// twopass info: what is in a scene, what it needs, and what will be skipped.
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "render/commands/command.h"
+#include "render/commands/scene_options.h"
+#include "render/core/parallel.h"
+#include "render/plan.h"
+
+namespace twopass {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+struct InfoOptions {
+  SceneOptions scene;
+  bool json = false;
+};
+
+const char* model_name(const Bsdf& bsdf) {
+  if (std::holds_alternative<Conductor>(bsdf)) return "conductor";
+  if (std::holds_alternative<Dielectric>(bsdf)) return "dielectric";
+  return "diffuse";
+}
+
+ordered_json describe(const LoadedScene& loaded) {
+  const SceneDescription& scene = loaded.scene;
+  std::size_t triangles = 0, spheres = 0, emitting_triangles = 0, emitting_spheres = 0;
+  for (const Shape& shape : scene.shapes) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+      triangles += mesh->triangles.size();
+      if (is_emitter(shape)) emitting_triangles += mesh->triangles.size();
+    } else {
+      ++spheres;
+      if (is_emitter(shape)) ++emitting_spheres;
+    }
+  }
+  std::map<std::string, std::size_t> models;
+  for (const Material& material : scene.materials) ++models[model_name(material.side[front])];
+  const Box3f box = bounds_of(scene.shapes);
+  ordered_json bounds = nullptr;
+  if (!box.isEmpty())
+    bounds = {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
+
+  const SceneNeeds needs = needs_of(scene);
+  const PathLimits limits{loaded.settings.max_depth, loaded.settings.rr_depth, loaded.settings.hide_emitters};
+  const IntegratorKind integrator =
+      loaded.settings.integrator ? value_of_name<IntegratorKind>(integrator_names, *loaded.settings.integrator,
+                                                                 "integrator", "integrator")
+                                 : IntegratorKind::two_pass;
+  const Plan plan = plan_render(needs, integrator, limits);
+  ordered_json skipped = ordered_json::array();
+  for (const Skipped& entry : plan.skipped) skipped.push_back({{"what", entry.what}, {"why", entry.why}});
+  return {{"shapes", scene.shapes.size()},
+          {"triangles", triangles},
+          {"spheres", spheres},
+          {"materials", models},
+          {"emitters",
+           {{"triangles", emitting_triangles},
+            {"spheres", emitting_spheres},
+            {"sky", is_black(scene.sky) ? 0 : 1}}},
+          {"textures", 0},
+          {"bounds", bounds},
+          {"size", {loaded.settings.width, loaded.settings.height}},
+          {"integrator", name_of_value<IntegratorKind>(integrator_names, integrator)},
+          {"needs",
+           {{"light", needs.light},
+            {"diffuse_reflection", needs.diffuse_reflection},
+            {"specular", needs.specular},
+            {"radiosity_pass", plan.radiosity_pass}}},
+          {"skipped", skipped}};
+}
+
+void print(const ordered_json& value, int indent) {
+  for (const auto& [key, entry] : value.items()) {
+    if (entry.is_object()) {
+      std::printf("%*s%s\n", indent, "", key.c_str());
+      print(entry, indent + 2);
+    } else if (key == "skipped") {
+      for (const ordered_json& skipped : entry)
+        std::printf("%*sskipped: %s, because %s\n", indent, "", skipped["what"].get<std::string>().c_str(),
+                    skipped["why"].get<std::string>().c_str());
+    } else {
+      const std::string text = entry.is_string() ? entry.get<std::string>() : entry.dump();
+      std::printf("%*s%-*s %s\n", indent, "", 20 - indent, key.c_str(), text.c_str());
+    }
+  }
+}
+
+int info(const InfoOptions& options, const GlobalOptions& global) {
+  const ThreadLimit limit(global.threads);
+  const ordered_json description = describe(options.scene.load(global.console(), SceneOptions::Framing::none));
+  if (options.json)
+    std::printf("%s\n", description.dump(2).c_str());
+  else
+    print(description, 0);
+  return 0;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& program, const GlobalOptions& global, Action& action) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App& command =
+      *program.add_subcommand("info", "What is in a scene, what it needs, what will be skipped and why");
+  options->scene.add_to(command);
+  command.add_flag("--json", options->json, "Print JSON");
+  command.callback(
+      [options, &global, &action] { action = [options, &global] { return info(*options, global); }; });
+}
+
+}  // namespace twopass

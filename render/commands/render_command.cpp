@@ -1,0 +1,245 @@
+// twopass render: one picture.
+#include <cstdio>
+
+#include "render/commands/command.h"
+#include "render/commands/scene_options.h"
+#include "render/core/parallel.h"
+#include "render/image/atomic_file.h"
+#include "render/image/picture.h"
+#include "render/statistics.h"
+#include "render/version.h"
+
+namespace twopass {
+
+namespace {
+
+constexpr double default_noise = 0.03;
+
+struct RenderOptions {
+  SceneOptions scene;
+  std::vector<std::string> outputs;
+  std::string integrator, size, stats_file, exr_type;
+  SamplingGoal goal;
+  std::optional<int> max_depth;
+  std::optional<std::uint32_t> seed;
+  RadiosityOptions radiosity;
+  std::string solver = "auto", form_factors = "auto";
+  DisplayOptions display;
+};
+
+// The settings of the file with the command line's put over them.
+struct Settings {
+  IntegratorKind integrator = IntegratorKind::two_pass;
+  PathLimits limits;
+  int width = 0, height = 0;
+  SamplingGoal goal;
+  std::uint32_t seed = 0;
+};
+
+void parse_size(const std::string& text, Settings& settings) {
+  int consumed = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%n", &settings.width, &settings.height, &consumed) != 2 ||
+      consumed != static_cast<int>(text.size()) || settings.width < 1 || settings.height < 1)
+    throw Error("--size " + text, "not a picture size", "write WIDTHxHEIGHT in pixels, for example 640x480");
+}
+
+Settings settle(const RenderOptions& options, const FileSettings& file, const Console& console) {
+  Settings settings;
+  if (!options.integrator.empty())
+    settings.integrator =
+        value_of_name<IntegratorKind>(integrator_names, options.integrator, "--integrator", "integrator");
+  else if (file.integrator)
+    settings.integrator =
+        value_of_name<IntegratorKind>(integrator_names, *file.integrator, options.scene.file, "integrator");
+  settings.limits = {options.max_depth.value_or(file.max_depth), file.rr_depth, file.hide_emitters};
+  settings.width = file.width;
+  settings.height = file.height;
+  if (!options.size.empty()) parse_size(options.size, settings);
+  settings.goal = options.goal;
+  const bool has_goal =
+      settings.goal.samples_per_pixel > 0 || settings.goal.seconds > 0.0 || settings.goal.relative_error > 0.0;
+  if (!has_goal && file.samples_per_pixel) settings.goal.samples_per_pixel = *file.samples_per_pixel;
+  if (!has_goal && !file.samples_per_pixel) {
+    settings.goal.relative_error = default_noise;
+    console.note("rendering until the estimated relative error is " +
+                 std::to_string(default_noise).substr(0, 4) + " (--spp, --time or --noise override)");
+  }
+  settings.seed = options.seed.value_or(file.seed.value_or(0));
+  return settings;
+}
+
+std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& options,
+                                      const Settings& settings, const Plan& plan, const Console& console,
+                                      RenderStatistics& statistics) {
+  if (!plan.radiosity_pass) return std::nullopt;
+  RadiosityOptions radiosity = options.radiosity;
+  radiosity.solver = value_of_name<Solver>(solver_names, options.solver, "--solver", "solver");
+  radiosity.form_factors = value_of_name<FormFactorMethod>(form_factor_method_names, options.form_factors,
+                                                           "--form-factors", "form factor method");
+  radiosity.seed = settings.seed;
+  if (settings.limits.max_depth >= 0)
+    radiosity.max_reflections = settings.limits.max_depth - edges_to_solution(settings.integrator);
+  const Stopwatch stopwatch;
+  Solution solution = solve_radiosity(scene, radiosity);
+  statistics.radiosity_time = stopwatch.elapsed();
+  statistics.radiosity = solution.stats();
+  for (const std::string& note : solution.stats().notes) console.note(note);
+  char text[200];
+  std::snprintf(text, sizeof text, "radiosity: %zu elements, %s, %s, %zu iterations, error bound %.2g, %.2f s",
+                solution.stats().elements, solution.stats().form_factors.c_str(),
+                solution.stats().solver.c_str(), solution.stats().iterations, solution.stats().error_bound,
+                statistics.radiosity_time.seconds);
+  console.note(text);
+  return solution;
+}
+
+ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const RenderStatistics& s) {
+  ExrOptions exr;
+  const bool half = options.exr_type.empty() ? file.half.value_or(true) : options.exr_type == "half";
+  exr.pixel_type = half ? PixelType::half : PixelType::float_;
+  const double pixels = static_cast<double>(s.width) * s.height;
+  exr.metadata = {{"twopass/version", std::string(program_version)},
+                  {"twopass/scene", s.scene_file},
+                  {"twopass/integrator", s.integrator},
+                  {"twopass/spp", static_cast<float>(static_cast<double>(s.samples) / pixels)},
+                  {"twopass/seed", static_cast<int>(s.seed)},
+                  {"twopass/stopReason", s.outcome.stop_reason}};
+  return exr;
+}
+
+void report(const RenderOptions& options, const RenderStatistics& s, const Console& console) {
+  if (console.verbosity() == Verbosity::quiet) return;
+  for (const std::string& output : options.outputs) std::printf("wrote %s\n", output.c_str());
+  const double pixels = static_cast<double>(s.width) * s.height;
+  std::printf("%s, %dx%d, %.4g samples a pixel (stopped by %s)", s.integrator.c_str(), s.width, s.height,
+              static_cast<double>(s.samples) / pixels, s.outcome.stop_reason.c_str());
+  if (std::isfinite(s.relative_error)) std::printf(", estimated noise %.3g", s.relative_error);
+  std::printf(", %.2f s (%.2f s CPU)\n", s.total.seconds, s.total.cpu_seconds);
+  if (s.outcome.non_finite_samples > 0)
+    std::printf("%llu samples were not finite and counted as black\n",
+                static_cast<unsigned long long>(s.outcome.non_finite_samples));
+}
+
+int render(const RenderOptions& options, const GlobalOptions& global) {
+  const Console console = global.console();
+  const Stopwatch total;
+  RenderStatistics s;
+  // What can go wrong with the outputs goes wrong before any work is done.
+  std::optional<DisplayTransform> display;
+  for (const std::string& output : options.outputs) {
+    check_picture_path(output);
+    if (is_display_referred(output) && !display) display.emplace(options.display);
+  }
+  if (!options.stats_file.empty()) check_writable(options.stats_file);
+  const ThreadLimit limit(global.threads);
+
+  Stopwatch stopwatch;
+  LoadedScene loaded = options.scene.load(console, SceneOptions::Framing::automatic);
+  const Settings settings = settle(options, loaded.settings, console);
+  const SceneNeeds needs = needs_of(loaded.scene);
+  const Plan plan = plan_render(needs, settings.integrator, settings.limits);
+  if (!needs.light)
+    console.note(options.scene.file +
+                 ": the scene has no light, the picture will be black (--sky 1,1,1 adds a sky)");
+  for (const Skipped& skipped : plan.skipped)
+    console.detail("skipped: " + skipped.what + ", because " + skipped.why);
+  s.load = stopwatch.elapsed();
+
+  stopwatch = Stopwatch();
+  const CameraDescription camera_description = *loaded.scene.camera;
+  const Scene scene(std::move(loaded.scene));
+  s.build = stopwatch.elapsed();
+
+  const std::optional<Solution> solution = run_radiosity(scene, options, settings, plan, console, s);
+
+  stopwatch = Stopwatch();
+  Film film(settings.width, settings.height);
+  const std::unique_ptr<Integrator> integrator =
+      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, settings.limits);
+  const Camera camera(camera_description, settings.width, settings.height);
+  {
+    Progress progress(console, "rendering");
+    s.outcome = render_image({.integrator = *integrator,
+                              .camera = camera,
+                              .filter = loaded.settings.filter,
+                              .goal = settings.goal,
+                              .seed = settings.seed,
+                              .report_progress = [&](double fraction) { progress.update(fraction); }},
+                             film);
+  }
+  s.render = stopwatch.elapsed();
+
+  s.scene_file = options.scene.file;
+  for (const Shape& shape : scene.shapes())
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) s.triangles += mesh->triangles.size();
+  s.emitters = scene.lights().count();
+  s.skipped = plan.skipped;
+  s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);
+  s.width = settings.width;
+  s.height = settings.height;
+  s.samples = film.samples();
+  s.relative_error = film.relative_error();
+  s.threads = limit.threads();
+  s.seed = settings.seed;
+
+  stopwatch = Stopwatch();
+  const Image image = film.resolve();
+  for (const std::string& output : options.outputs)
+    write_picture(output, image, display ? &*display : nullptr, exr_options(options, loaded.settings, s));
+  s.write = stopwatch.elapsed();
+  s.total = total.elapsed();
+  if (!options.stats_file.empty()) write_statistics(options.stats_file, s);
+  report(options, s, console);
+  if (s.outcome.stop_reason != "interrupted") return 0;
+  console.note("interrupted: wrote what there was");
+  return 130;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& program, const GlobalOptions& global, Action& action) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App& command = *program.add_subcommand("render", "Render one picture");
+  options->scene.add_to(command);
+  options->scene.add_view_to(command);
+  command
+      .add_option("-o,--output", options->outputs,
+                  "Picture to write (repeatable): .exr scene-linear; .png, .jpg, .tif display-referred")
+      ->required()
+      ->allow_extra_args(false);
+  command.add_option("--integrator", options->integrator, "twopass, path, radiosity or direct");
+  command.add_option("--spp", options->goal.samples_per_pixel, "Stop at this many samples a pixel")
+      ->check(CLI::Range(1, most_samples_per_pixel));
+  command.add_option("--time", options->goal.seconds, "Stop after this many seconds of rendering")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--noise", options->goal.relative_error, "Stop at this estimated relative error")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--size", options->size, "Picture size, WIDTHxHEIGHT");
+  command.add_option("--max-depth", options->max_depth, "Most edges of a path; -1 unlimited, 2 direct light")
+      ->check(CLI::Range(-1, 1 << 30));
+  command.add_option("--seed", options->seed, "Seed of all random numbers");
+  command.add_option("--solver", options->solver, "Radiosity solver: auto, gauss-seidel, progressive or lu");
+  command.add_option("--form-factors", options->form_factors, "Form factors: auto, exact, point or rays");
+  command
+      .add_option("--radiosity-error", options->radiosity.relative_error,
+                  "Relative error bound of the radiosity solver")
+      ->check(CLI::Range(1e-12, 1.0))
+      ->capture_default_str();
+  command.add_option("--elements", options->radiosity.max_elements, "Most radiosity elements")
+      ->check(CLI::Range(1, 1 << 30));
+  command.add_option("--ocio", options->display.config,
+                     "OpenColorIO configuration (default: $OCIO, else built in)");
+  command.add_option("--display", options->display.display, "Display of the configuration");
+  command.add_option("--view", options->display.view, "View of the display");
+  command.add_option("--exposure", options->display.exposure_stops,
+                     "Exposure of display-referred pictures, stops");
+  command
+      .add_option("--exr-type", options->exr_type,
+                  "Pixels of .exr files (default: as the scene says, else half)")
+      ->check(CLI::IsMember({"half", "float"}));
+  command.add_option("--stats", options->stats_file, "Write statistics as JSON");
+  command.callback(
+      [options, &global, &action] { action = [options, &global] { return render(*options, global); }; });
+}
+
+}  // namespace twopass

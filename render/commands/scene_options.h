@@ -1,0 +1,32 @@
+// The options that name a scene and override what its file says.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "render/console.h"
+#include "render/load/load.h"
+
+namespace twopass {
+
+struct SceneOptions {
+  std::string file;
+  std::vector<std::string> definitions;  ///< name=value
+  std::vector<float> camera;             ///< origin, target, up: 9 numbers
+  std::optional<double> fov_degrees;
+  std::vector<float> sky;  ///< R, G, B
+
+  /// Whether a scene without a camera gets one that frames it.
+  enum class Framing { none, automatic };
+
+  /// The file and the parameters of its contents; `add_view_to` adds camera and sky.
+  void add_to(CLI::App& command);
+  void add_view_to(CLI::App& command);
+  /// Loads the scene, applies the options, and says on the console what was noticed. Throws Error.
+  [[nodiscard]] LoadedScene load(const Console& console, Framing framing) const;
+};
+
+}  // namespace twopass

@@ -1,0 +1,50 @@
+// What the program says while it works: notes and progress on stderr. Results go to stdout, by the commands.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <string>
+
+#include "render/stopwatch.h"
+
+namespace twopass {
+
+enum class Verbosity { quiet, normal, verbose };
+
+class Console {
+ public:
+  explicit Console(Verbosity verbosity) : verbosity_(verbosity) {}
+  /// Something the user should know; silent when quiet.
+  void note(const std::string& text) const;
+  /// Details for those who ask for them.
+  void detail(const std::string& text) const;
+  [[nodiscard]] Verbosity verbosity() const { return verbosity_; }
+
+ private:
+  Verbosity verbosity_;
+};
+
+/// A bar with the time left on a terminal, a plain line now and then elsewhere, nothing when quiet.
+class Progress {
+ public:
+  Progress(const Console& console, std::string label);
+  /// Erases the bar.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// `fraction` of the work is done, in [0, 1]. Cheap; any thread may call it at any time.
+  void update(double fraction);
+
+ private:
+  void draw(double fraction, double seconds);
+
+  std::string label_;
+  bool silent_, terminal_;
+  Stopwatch stopwatch_;
+  std::mutex mutex_;
+  std::atomic<double> next_seconds_;
+  int last_tenth_ = 0;
+  bool drawn_ = false;
+};
+
+}  // namespace twopass

@@ -1,0 +1,60 @@
+// The program: parses the command line, runs one command, prints the one error, sets the exit code.
+#include <csignal>
+#include <cstdio>
+#include <new>
+
+#include "render/commands/command.h"
+#include "render/core/error.h"
+#include "render/core/interrupt.h"
+#include "render/version.h"
+
+namespace {
+
+constexpr int exit_error = 1, exit_usage = 2;
+
+void on_interrupt(int) {
+  // A second Ctrl-C means it: give the signal its usual effect again.
+  twopass::interrupt_requested() = true;
+  std::signal(SIGINT, SIG_DFL);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("Radiosity and path tracing, in two passes.", "twopass");
+  program.set_version_flag("--version", std::string("twopass ") + twopass::program_version);
+  program.require_subcommand(1);
+  program.fallthrough();
+  twopass::GlobalOptions global;
+  auto* quiet = program.add_flag("--quiet", global.quiet, "Say nothing but errors");
+  program.add_flag("--verbose", global.verbose, "Say more")->excludes(quiet);
+  program.add_option("--threads", global.threads, "Number of threads; 0: all cores")
+      ->check(CLI::Range(0, 4096));
+  twopass::Action action;
+  twopass::add_render_command(program, global, action);
+  twopass::add_form_factors_command(program, global, action);
+  twopass::add_compare_command(program, global, action);
+  twopass::add_info_command(program, global, action);
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& wish) {  // --help, --version
+    return program.exit(wish);
+  } catch (const CLI::ParseError& error) {
+    program.exit(error);
+    return exit_usage;
+  }
+
+  std::signal(SIGINT, on_interrupt);
+  try {
+    return action();
+  } catch (const twopass::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "twopass: out of memory; use a smaller picture, fewer elements or a larger machine\n");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "twopass: unexpected failure (%s); please report it with the command line\n",
+                 error.what());
+  }
+  return exit_error;
+}

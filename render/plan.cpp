@@ -1,0 +1,34 @@
+#include "render/plan.h"
+
+namespace twopass {
+
+SceneNeeds needs_of(const SceneDescription& scene) {
+  SceneNeeds needs;
+  needs.light = !is_black(scene.sky);
+  for (const Shape& shape : scene.shapes) {
+    if (is_emitter(shape)) needs.light = true;
+    for (const Bsdf& bsdf : scene.materials[shape.material].side) {
+      if (!is_black(diffuse_reflectance(bsdf))) needs.diffuse_reflection = true;
+      if (is_specular(bsdf)) needs.specular = true;
+    }
+  }
+  return needs;
+}
+
+Plan plan_render(const SceneNeeds& needs, IntegratorKind integrator, const PathLimits& limits) {
+  Plan plan;
+  const auto skip = [&](const char* why) { plan.skipped.push_back({"radiosity pass", why}); };
+  if (!reads_solution(integrator))
+    skip("the integrator does not read it");
+  else if (!needs.light)
+    skip("the scene has no light");
+  else if (!needs.diffuse_reflection)
+    skip("no surface reflects diffusely");
+  else if (limits.max_depth >= 0 && limits.max_depth < edges_to_solution(integrator))
+    skip("paths are too short to read it");
+  else
+    plan.radiosity_pass = true;
+  return plan;
+}
+
+}  // namespace twopass

@@ -1,0 +1,31 @@
+// What a scene needs and what can be skipped, decided before anything is computed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "integrators/make_integrator.h"
+
+namespace twopass {
+
+/// Facts about a scene that decide which parts of the program run.
+struct SceneNeeds {
+  bool light = false;               ///< something emits
+  bool diffuse_reflection = false;  ///< some surface reflects diffusely
+  bool specular = false;            ///< some surface is a mirror or glass
+};
+SceneNeeds needs_of(const SceneDescription& scene);
+
+struct Skipped {
+  std::string what, why;
+};
+
+/// Which passes will run for one render.
+struct Plan {
+  bool radiosity_pass = false;
+  std::vector<Skipped> skipped;
+};
+/// What the integrator needs of the scene. The picture is the same with and without what is skipped.
+Plan plan_render(const SceneNeeds& needs, IntegratorKind integrator, const PathLimits& limits);
+
+}  // namespace twopass

@@ -1,0 +1,32 @@
+// The numbers of a run as JSON, for --stats.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "radiosity/options.h"
+#include "render/plan.h"
+#include "render/render_image.h"
+#include "render/stopwatch.h"
+
+namespace twopass {
+
+struct RenderStatistics {
+  std::string scene_file;
+  std::size_t triangles = 0, emitters = 0;
+  std::vector<Skipped> skipped;
+  Elapsed load, build, radiosity_time, render, write, total;
+  std::optional<RadiosityStats> radiosity;
+  std::string integrator;
+  int width = 0, height = 0;
+  std::uint64_t samples = 0;
+  RenderOutcome outcome;
+  double relative_error = 0.0;  ///< infinity: not estimated
+  int threads = 0;
+  std::uint32_t seed = 0;
+};
+
+/// Writes the statistics atomically. Throws Error.
+void write_statistics(const std::filesystem::path& path, const RenderStatistics& statistics);
+
+}  // namespace twopass

@@ -1,0 +1,28 @@
+#include "render/stopwatch.h"
+
+#include <sys/resource.h>
+
+namespace twopass {
+
+namespace {
+
+rusage usage() {
+  rusage own{};
+  getrusage(RUSAGE_SELF, &own);
+  return own;
+}
+
+double seconds_of(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+}  // namespace
+
+double Stopwatch::process_cpu_seconds() {
+  const rusage own = usage();
+  return seconds_of(own.ru_utime) + seconds_of(own.ru_stime);
+}
+
+std::size_t peak_memory_bytes() { return static_cast<std::size_t>(usage().ru_maxrss) * 1024; }
+
+}  // namespace twopass

@@ -1,0 +1,82 @@
+// The two halves against each other: the irradiance of every element by pass one, and by the path tracer, which
+// shares nothing with it.
+#include <gtest/gtest.h>
+
+#include "integrators/path.h"
+#include "radiosity/solution.h"
+#include "render/core/warp.h"
+#include "tests/support/measure.h"
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+// Mean irradiance over the element by cosine-distributed path-traced rays from uniform points of it.
+test::Estimate traced_irradiance(const PathTracer& path, const ElementMesh& mesh, std::uint32_t element,
+                                 int samples) {
+  const Patch patch = mesh.patch(element);
+  test::Estimate estimate;
+  RayCounts counts;
+  for (int i = 0; i < samples; ++i) {
+    Sampler sampler(77, element, static_cast<std::uint32_t>(i));
+    const V2f u = sampler.next_2d();
+    const ElementPoint point = patch.sample(u);
+    const Frame frame{V3f(point.normal)};
+    const V3f w = frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+    estimate.add(pi * path.radiance({point.ray_position(), w}, sampler, counts).radiance.x);
+  }
+  return estimate;
+}
+
+void expect_agreement(const SceneDescription& description, FormFactorMethod method, std::size_t elements,
+                      double allowance) {
+  const Scene scene(description);
+  RadiosityOptions options;
+  options.form_factors = method;
+  options.max_elements = elements;
+  options.rays_per_element = 4096;
+  options.relative_error = 1e-5;
+  const Solution solution = solve_radiosity(scene, options);
+  const PathTracer path(scene, {});
+  const ElementMesh& mesh = solution.mesh();
+  ASSERT_GT(mesh.count(), 20u);
+  // All elements together err with probability 1e-3 (Sidak); Sobol samples scatter less than assumed.
+  const double level = test::sidak(1e-3, mesh.count());
+  double sum_z = 0.0;
+  for (std::uint32_t e = 0; e < mesh.count(); ++e) {
+    const test::Estimate traced = traced_irradiance(path, mesh, e, 2000);
+    const double ours = solution.irradiances()[e].total().x;
+    const double error = std::hypot(traced.standard_error(), allowance * ours);
+    const double z = (ours - traced.mean()) / error;
+    EXPECT_GT(test::two_sided_p(z), level)
+        << "element " << e << ": " << ours << " against " << traced.mean() << " +- " << traced.standard_error();
+    sum_z += z;
+  }
+  // Individually within noise is not enough: a common factor shows in the mean.
+  EXPECT_LT(std::abs(sum_z) / std::sqrt(static_cast<double>(mesh.count())), 5.0);
+}
+
+// Where the elements hold the solution exactly (the inside of a sphere) only noise may differ.
+TEST(RadiosityAgainstPath, InsideASphere) {
+  SceneDescription scene;
+  test::add_diffuse(scene, "dome", Sphere{V3f(0.0f), 1.0f, true}, C3f(0.6f), C3f(1.0f));
+  expect_agreement(scene, FormFactorMethod::rays, 128, 0.01);
+}
+
+// Elements of finite size smooth the light; 2 % covers that of these at 12 x 12 a wall.
+TEST(RadiosityAgainstPath, UnitRoomByExactFactors) {
+  expect_agreement(test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f)), FormFactorMethod::exact, 800, 0.02);
+}
+
+TEST(RadiosityAgainstPath, UnitRoomByRays) {
+  expect_agreement(test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f)), FormFactorMethod::rays, 800, 0.03);
+}
+
+TEST(RadiosityAgainstPath, RoomWithABox) {
+  SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  test::add_box(scene, "box", V3f(0.3f), V3f(0.6f), one_sided("box", Diffuse{C3f(0.5f)}));
+  expect_agreement(scene, FormFactorMethod::exact, 800, 0.03);
+}
+
+}  // namespace
+}  // namespace twopass

@@ -1,0 +1,80 @@
+#include "integrators/two_pass.h"
+
+#include <gtest/gtest.h>
+
+#include "integrators/path.h"
+#include "tests/support/measure.h"
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+// A room with a small lamp and a box on the floor: direct light, shadows, colour bleeding.
+SceneDescription furnished_room() {
+  SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.7f));
+  test::add_diffuse(scene, "lamp", test::quad(V3f(0.35f, 0.35f, 0.999f), V3f(0, 0.3f, 0), V3f(0.3f, 0, 0)),
+                    C3f(0.0f), C3f(10.0f));
+  test::add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f),
+                one_sided("box", Diffuse{C3f(0.6f)}));
+  return scene;
+}
+
+Solution solve(const Scene& scene, std::size_t elements) {
+  RadiosityOptions options;
+  options.max_elements = elements;
+  options.relative_error = 1e-3;
+  return solve_radiosity(scene, options);
+}
+
+TEST(TwoPass, AgreesWithThePathTracerInAFurnishedRoom) {
+  const Scene scene(furnished_room());
+  const Solution solution = solve(scene, 4000);
+  const TwoPass two_pass(scene, &solution, {});
+  const PathTracer path(scene, {});
+  for (const V3f& axis : {V3f(0, 1, 0), V3f(0, 0.3f, -1), V3f(-1, 0.5f, 0.2f), V3f(0.3f, 0.2f, 1)}) {
+    const test::Estimate ours = test::mean_radiance(two_pass, V3f(0.5f, 0.05f, 0.5f), axis, 0.8f, 60000, 1);
+    const test::Estimate truth = test::mean_radiance(path, V3f(0.5f, 0.05f, 0.5f), axis, 0.8f, 120000, 2);
+    // Level 1e-5, and the 0.3 % that elements of finite size may be off.
+    EXPECT_NEAR(ours.mean(), truth.mean(),
+                4.4 * std::hypot(ours.standard_error(), truth.standard_error()) + 0.003 * truth.mean());
+  }
+}
+
+TEST(TwoPass, HasLessNoiseThanThePathTracer) {
+  const Scene scene(furnished_room());
+  const Solution solution = solve(scene, 4000);
+  const test::Estimate ours = test::mean_radiance(TwoPass(scene, &solution, {}), V3f(0.5f, 0.05f, 0.5f),
+                                                  V3f(0, 1, 0), 0.999f, 20000, 1);
+  const test::Estimate plain =
+      test::mean_radiance(PathTracer(scene, {}), V3f(0.5f, 0.05f, 0.5f), V3f(0, 1, 0), 0.999f, 20000, 1);
+  EXPECT_LT(ours.variance(), 0.6 * plain.variance());
+}
+
+TEST(TwoPass, WithoutASolutionItIsAPathTracer) {
+  const Scene scene(furnished_room());
+  const TwoPass two_pass(scene, nullptr, {});
+  const PathTracer path(scene, {});
+  RayCounts a, b;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    Sampler first(1, i, 0), second(1, i, 0);
+    const Ray ray{V3f(0.5f), square_to_sphere(Sampler(2, i, 0).next_2d())};
+    EXPECT_EQ(two_pass.radiance(ray, first, a).radiance, path.radiance(ray, second, b).radiance);
+  }
+  EXPECT_EQ(a.rays, b.rays);
+  EXPECT_EQ(a.shadow_rays, b.shadow_rays);
+}
+
+TEST(TwoPass, IsAPureFunctionOfItsArguments) {
+  const Scene scene(furnished_room());
+  const Solution solution = solve(scene, 1000);
+  const TwoPass two_pass(scene, &solution, {});
+  RayCounts counts;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    Sampler first(1, i, 3), second(1, i, 3);
+    const Ray ray{V3f(0.5f), square_to_sphere(Sampler(2, i, 0).next_2d())};
+    EXPECT_EQ(two_pass.radiance(ray, first, counts).radiance, two_pass.radiance(ray, second, counts).radiance);
+  }
+}
+
+}  // namespace
+}  // namespace twopass

@@ -1,0 +1,225 @@
+// The program as a user runs it: exit codes, messages, files, bytes.
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "render/image/picture.h"
+
+namespace twopass {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Run {
+  int exit_code;
+  std::string out, err;
+};
+
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("twopass-program-" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // Arguments are given as the shell takes them; `environment` stands before the program.
+  Run run(const std::string& arguments, const std::string& environment = "") const {
+    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command = "cd '" + folder_.string() + "' && env " + environment +
+                                " '" TWOPASS_PROGRAM "' " + arguments + " >'" + out.string() + "' 2>'" +
+                                err.string() + "'";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(out), read(err)};
+  }
+  static std::string read(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+  fs::path folder_;
+  const std::string box_ = "'" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' --size 40x40 ";
+};
+
+TEST_F(Program, HelpAndVersionSucceed) {
+  const Run help = run("--help");
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* command : {"render", "form-factors", "compare", "info"})
+    EXPECT_NE(help.out.find(command), std::string::npos);
+  EXPECT_EQ(run("--version").exit_code, 0);
+  EXPECT_EQ(run("render --help").exit_code, 0);
+}
+
+TEST_F(Program, WrongUsageExitsWithTwo) {
+  for (const char* arguments :
+       {"", "paint", "render", "render a.xml", "render a.xml -o b.exr --spp 0", "render a.xml -o b.exr --bogus",
+        "render a.xml -o b.exr --camera 1,2,3", "compare a.exr"})
+    EXPECT_EQ(run(arguments).exit_code, 2) << arguments;
+}
+
+TEST_F(Program, ErrorsAreOneLineOfWhereWhatAndWhatToDoWithExitCodeOne) {
+  write("bad.xml", "<scene version='3.0.0'>\n<shape type='blob'/>\n</scene>");
+  write("broken.xml", "<scene version='3.0.0'>\n<shape>");
+  write("config.ocio", "not a config");
+  const struct {
+    std::string arguments, part;
+  } cases[] = {
+      {"render missing.xml -o a.exr", "missing.xml: "},
+      {"render bad.xml -o a.exr", "bad.xml:2: "},
+      {"render broken.xml -o a.exr", "broken.xml:"},
+      {"render " + box_ + "-o a.gif", ".exr"},
+      {"render " + box_ + "-o nowhere/a.exr", "nowhere"},
+      {"render " + box_ + "-o a.exr --integrator magic", "twopass, path, radiosity, direct"},
+      {"render " + box_ + "-o a.exr --solver magic", "gauss-seidel"},
+      {"render " + box_ + "-o a.exr --size 0x4", "WIDTHxHEIGHT"},
+      {"render " + box_ + "-o a.png --ocio config.ocio", "config.ocio"},
+      {"render " + box_ + "-o a.png --view Sepia", "Sepia"},
+      {"render " + box_ + "-o a.exr --camera 0,0,0,0,0,0,0,1,0", "--camera"},
+      {"render " + box_ + "-o a.exr -D nonsense", "name=value"},
+      {"compare missing.exr missing.exr", "missing.exr"},
+  };
+  for (const auto& c : cases) {
+    const Run result = run(c.arguments + " --quiet");
+    EXPECT_EQ(result.exit_code, 1) << c.arguments << "\n" << result.err;
+    EXPECT_NE(result.err.find(c.part), std::string::npos) << c.arguments << "\n" << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find("; "), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder_ / "a.exr"));
+  }
+}
+
+TEST_F(Program, UnreadableOcioEnvironmentIsAnErrorToo) {
+  EXPECT_EQ(run("render " + box_ + "-o a.png --spp 1", "OCIO=/nonexistent.ocio").exit_code, 1);
+  EXPECT_EQ(run("render " + box_ + "-o a.exr --spp 1 --quiet", "OCIO=/nonexistent.ocio").exit_code, 0)
+      << "EXR needs no display";
+}
+
+TEST_F(Program, RendersAllFormatsWithStatistics) {
+  const Run result = run("render " + box_ + "-o a.exr -o a.png -o a.jpg -o a.tif --spp 4 --stats s.json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* name : {"a.exr", "a.png", "a.jpg", "a.tif"}) {
+    const Image image = read_picture(folder_ / name);
+    EXPECT_EQ(image.width, 40);
+    EXPECT_EQ(image.height, 40);
+  }
+  const auto stats = nlohmann::json::parse(read(folder_ / "s.json"));
+  EXPECT_EQ(stats["render"]["integrator"], "twopass");
+  EXPECT_EQ(stats["render"]["spp"], 4.0);
+  EXPECT_EQ(stats["render"]["non_finite_samples"], 0);
+  EXPECT_GT(stats["radiosity"]["elements"], 100);
+  EXPECT_LE(stats["radiosity"]["error_bound"], 0.01);
+  EXPECT_GT(stats["render"]["rays"], 6400);
+}
+
+TEST_F(Program, SameBytesOnOneAndTwoThreadsAndOtherBytesWithAnotherSeed) {
+  for (const std::string integrator : {"twopass", "path", "radiosity", "direct"}) {
+    const std::string arguments = "render " + box_ + "--spp 4 --integrator " + integrator;
+    ASSERT_EQ(run(arguments + " -o one.exr --threads 1").exit_code, 0);
+    ASSERT_EQ(run(arguments + " -o two.exr --threads 2").exit_code, 0);
+    ASSERT_EQ(run(arguments + " -o seed.exr --seed 7").exit_code, 0);
+    EXPECT_EQ(read(folder_ / "one.exr"), read(folder_ / "two.exr")) << integrator;
+    EXPECT_NE(read(folder_ / "one.exr"), read(folder_ / "seed.exr")) << integrator;
+  }
+}
+
+TEST_F(Program, CompareMeasuresAndEnforcesLimits) {
+  ASSERT_EQ(run("render " + box_ + "-o a.exr --spp 4").exit_code, 0);
+  ASSERT_EQ(run("render " + box_ + "-o b.exr --spp 4 --seed 3").exit_code, 0);
+  ASSERT_EQ(run("compare a.exr a.exr --json same.json").exit_code, 0);
+  const auto same = nlohmann::json::parse(read(folder_ / "same.json"));
+  EXPECT_EQ(same["mse"], 0.0);
+  EXPECT_EQ(same["flip"], 0.0);
+  EXPECT_EQ(same["energy_ratio"][1], 1.0);
+  for (const char* key :
+       {"energy_ratio", "mse", "relmse", "relmse_trimmed", "smape", "psnr", "flip", "non_finite", "size"})
+    EXPECT_TRUE(same.contains(key)) << key;
+  EXPECT_EQ(run("compare a.exr b.exr --max relmse=10 --max flip=1").exit_code, 0);
+  const Run exceeded = run("compare a.exr b.exr --max relmse=1e-9");
+  EXPECT_EQ(exceeded.exit_code, 1);
+  EXPECT_NE(exceeded.err.find("relmse"), std::string::npos);
+  EXPECT_EQ(run("compare a.exr b.exr --max beauty=1").exit_code, 1);
+}
+
+TEST_F(Program, InfoTellsWhatIsThereAndWhatIsSkipped) {
+  const Run result = run("info " + std::string("'" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' --json"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto info = nlohmann::json::parse(result.out);
+  EXPECT_GT(info["triangles"], 20);
+  EXPECT_TRUE(info["needs"]["radiosity_pass"]);
+  write("dark.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto dark = nlohmann::json::parse(run("info dark.obj --json").out);
+  EXPECT_FALSE(dark["needs"]["radiosity_pass"]);
+  EXPECT_EQ(dark["skipped"][0]["what"], "radiosity pass");
+}
+
+TEST_F(Program, FormFactorsOfTheUnitCubeAsJson) {
+  write("cube.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+        "g floor\nf 1 2 3 4\ng ceiling\nf 5 8 7 6\ng near\nf 1 5 6 2\ng far\nf 4 3 7 8\ng left\nf 1 4 8 5\ng "
+        "right\nf 2 6 7 3\n");
+  const Run result = run("form-factors cube.obj --json --method exact");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json["shapes"].size(), 6u);
+  EXPECT_EQ(json["shapes"][0]["name"], "floor");
+  EXPECT_NEAR(json["F"][0][1].get<double>(), 0.19982489569838738, 1e-9);
+  EXPECT_NEAR(json["F"][0][2].get<double>(), 0.20004377607540315, 1e-9);
+  EXPECT_LT(json["closure_error"].get<double>(), 1e-6);
+}
+
+TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {
+  write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Run result = run("render tri.obj -o a.exr --sky 1,1,1 --spp 4 --size 32x32");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("camera"), std::string::npos);
+  float brightest = 0.0f, lowest_alpha = 1.0f;
+  const Image image = read_picture(folder_ / "a.exr");
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) {
+      brightest = std::max(brightest, image.rgb(x, y).x);
+      lowest_alpha = std::min(lowest_alpha, image.at(x, y, 3));
+    }
+  EXPECT_GT(brightest, 0.3f);
+  EXPECT_EQ(lowest_alpha, 0.0f);
+}
+
+TEST_F(Program, InterruptWritesWhatThereIsAndExitsWith130) {
+  const fs::path picture = folder_ / "a.exr";
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string scene = TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml";
+    execl(TWOPASS_PROGRAM, "twopass", "render", scene.c_str(), "--integrator", "path", "--size", "64x64",
+          "--spp", "60000", "-o", picture.c_str(), "--quiet", nullptr);
+    _exit(99);
+  }
+  sleep(1);
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(read_picture(picture).width, 64);
+}
+
+TEST_F(Program, AFailedWriteLeavesTheOldPictureAlone) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+  ASSERT_EQ(run("render " + box_ + "-o a.exr --spp 1").exit_code, 0);
+  const std::string before = read(folder_ / "a.exr");
+  fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
+  const int code = std::system(
+      ("'" TWOPASS_PROGRAM "' render " + box_ + "-o '" + (folder_ / "a.exr").string() + "' --spp 1 2>/dev/null")
+          .c_str());
+  fs::permissions(folder_, fs::perms::owner_all);
+  EXPECT_EQ(WEXITSTATUS(code), 1);
+  EXPECT_EQ(read(folder_ / "a.exr"), before);
+}
+
+}  // namespace
+}  // namespace twopass

@@ -1,0 +1,102 @@
+#include "radiosity/ray_survey.h"
+
+#include <gtest/gtest.h>
+
+#include "radiosity/analytic_exchange.h"
+#include "radiosity/subdivision.h"
+#include "render/core/parallel.h"
+#include "tests/radiosity/test_scenes.h"
+
+namespace twopass {
+namespace {
+
+TEST(RaySurvey, InAClosedRoomEveryRayLandsOnAnElement) {
+  const Scene scene(test::lit_cube(0.5f));
+  const ElementMesh mesh = divide_surfaces(scene, 500);
+  const RaySurvey survey = survey_with_rays(scene, mesh, 256, 1);
+  EXPECT_TRUE(survey.is_closed());
+  EXPECT_EQ(survey.met_black + survey.met_lamp + survey.met_specular, 0u);
+  // Shapes beside each other share edges, and rays can slip through: fewer than one in a hundred thousand.
+  EXPECT_LE(survey.met_sky, 1u);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) EXPECT_EQ(survey.exposed[i], 1.0);
+}
+
+// Every count against the analytic exchange: chi-square over all pairs at a level of 1e-4.
+TEST(RaySurvey, CountsFollowTheAnalyticFormFactors) {
+  const Scene scene(test::lit_cube(0.5f));
+  const ElementMesh mesh = divide_surfaces(scene, 12);
+  std::uint64_t rays = 0;
+  const ExchangeMatrix exact = analytic_exchange(mesh, scene.caster(), FormFactorMethod::exact, 0, rays);
+  const RaySurvey survey = survey_with_rays(scene, mesh, 1 << 14, 3);
+  const ExchangeMatrix estimate = exchange_from_landings(survey, mesh);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    for (std::uint32_t j = 0; j < mesh.count(); ++j) {
+      const double f = exact.coeff(i, j) / mesh.area(i), n = 2.0 * (1 << 14);
+      // Five standard deviations of the pooled Poisson count; stratification only makes them smaller.
+      EXPECT_NEAR(estimate.coeff(i, j) / mesh.area(i), f, 5.0 * std::sqrt(f / n) + 1e-4 * f);
+      EXPECT_EQ(estimate.coeff(i, j), estimate.coeff(j, i));
+    }
+}
+
+TEST(RaySurvey, SeesTheSkyThroughAnOpening) {
+  SceneDescription description = test::plates(1.0f, 0.5f);
+  description.sky = C3f(2.0f, 1.0f, 0.5f);
+  const Scene scene(std::move(description));
+  const ElementMesh mesh = divide_surfaces(scene, 0);
+  const RaySurvey survey = survey_with_rays(scene, mesh, 1 << 14, 1);
+  EXPECT_FALSE(survey.is_closed());
+  // The mean over both triangles of the lower square: 1 - F, F the factor of parallel unit squares at
+  // distance 1.
+  const double open = 1.0 - 0.19982489569838738;
+  const C3d sky = (survey.sky[0] + survey.sky[1]) * 0.5;
+  EXPECT_NEAR(sky.x, 2.0 * pi * open, 0.02);
+  EXPECT_NEAR(sky.z, 0.5 * pi * open, 0.005);
+  EXPECT_NEAR(survey.share_in_sky(0) + survey.share_on_elements(0), 1.0, 1e-12);
+}
+
+TEST(RaySurvey, TellsLampsBlackAndSpecularApart) {
+  SceneDescription description = test::plates(1.0f, 0.5f);  // the lower plate is a lamp with elements
+  const V3f x(1, 0, 0), y(0, 1, 0);
+  test::add_diffuse(description, "black lamp", test::quad(V3f(1, 0, 0), x, y), C3f(0.0f), C3f(1.0f));
+  test::add_diffuse(description, "black", test::quad(V3f(2, 0, 0), x, y), C3f(0.0f));
+  description.materials.push_back(one_sided("mirror", Conductor{}));
+  description.shapes.push_back({"mirror", test::quad(V3f(3, 0, 0), x, y), 4, {C3f(0.0f), C3f(0.0f)}});
+  const Scene scene(std::move(description));
+  const RaySurvey survey = survey_with_rays(scene, divide_surfaces(scene, 0), 1 << 12, 1);
+  EXPECT_GT(survey.met_lamp, 10u);
+  EXPECT_GT(survey.met_black, 10u);
+  EXPECT_GT(survey.met_specular, 10u);
+  EXPECT_GT(survey.met_sky, 10u);
+}
+
+// A lamp hanging just below the ceiling covers a part of it: that part is as if it were not there.
+TEST(RaySurvey, BuriedPartsDoNotCount) {
+  const Scene scene(test::lit_room());
+  ElementMesh mesh = divide_surfaces(scene, 4000);
+  const RaySurvey survey = survey_with_rays(scene, mesh, 256, 1);
+  EXPECT_TRUE(survey.is_closed());
+  double ceiling = 0.0, floor = 0.0;
+  mesh.expose(survey.exposed);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) {
+    if (mesh.root(i).shape == 0) floor += mesh.area(i);
+    if (mesh.root(i).shape == 1) ceiling += mesh.area(i);
+  }
+  EXPECT_NEAR(ceiling, 1.0 - 0.25 * 0.25, 2e-3);
+  // So do the places where the boxes stand.
+  EXPECT_NEAR(floor, 1.0 - 2.0 * 0.25 * 0.25, 2e-3);
+}
+
+TEST(RaySurvey, IsTheSameOnAnyNumberOfThreads) {
+  const Scene scene(test::lit_room());
+  const ElementMesh mesh = divide_surfaces(scene, 300);
+  const auto run = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return survey_with_rays(scene, mesh, 64, 1);
+  };
+  const RaySurvey one = run(1), two = run(2);
+  EXPECT_EQ(one.landings, two.landings);
+  EXPECT_EQ(one.rays, two.rays);
+}
+
+}  // namespace
+}  // namespace twopass

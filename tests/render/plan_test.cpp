@@ -1,0 +1,56 @@
+#include "render/plan.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+Plan plan(const SceneDescription& scene, IntegratorKind kind, int max_depth = -1) {
+  return plan_render(needs_of(scene), kind, {max_depth, 5, false});
+}
+
+TEST(Plan, ALitDiffuseRoomNeedsTheRadiosityPass) {
+  const SceneDescription room = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  EXPECT_TRUE(plan(room, IntegratorKind::two_pass).radiosity_pass);
+  EXPECT_TRUE(plan(room, IntegratorKind::two_pass).skipped.empty());
+  EXPECT_TRUE(plan(room, IntegratorKind::radiosity).radiosity_pass);
+}
+
+TEST(Plan, EveryReasonToSkipIsGiven) {
+  const SceneDescription lit = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  const SceneDescription dark = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
+  const SceneDescription black = test::unit_room(C3f(0.0f), C3f(1.0f), C3f(0.0f));
+  const struct {
+    Plan plan;
+    std::string why;
+  } cases[] = {
+      {plan(lit, IntegratorKind::path), "the integrator does not read it"},
+      {plan(lit, IntegratorKind::direct), "the integrator does not read it"},
+      {plan(dark, IntegratorKind::two_pass), "the scene has no light"},
+      {plan(black, IntegratorKind::two_pass), "no surface reflects diffusely"},
+      {plan(lit, IntegratorKind::two_pass, 2), "paths are too short to read it"},
+  };
+  for (const auto& c : cases) {
+    EXPECT_FALSE(c.plan.radiosity_pass);
+    ASSERT_EQ(c.plan.skipped.size(), 1u);
+    EXPECT_EQ(c.plan.skipped[0].what, "radiosity pass");
+    EXPECT_EQ(c.plan.skipped[0].why, c.why);
+  }
+  EXPECT_TRUE(plan(lit, IntegratorKind::two_pass, 3).radiosity_pass);
+  EXPECT_TRUE(plan(lit, IntegratorKind::radiosity, 2).radiosity_pass);
+}
+
+TEST(Plan, SkyAndSpecularSurfacesAreSeen) {
+  SceneDescription scene = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
+  EXPECT_FALSE(needs_of(scene).light);
+  scene.sky = C3f(0.0f, 0.0f, 1.0f);
+  EXPECT_TRUE(needs_of(scene).light);
+  EXPECT_FALSE(needs_of(scene).specular);
+  scene.materials[0] = one_sided("mirror", Conductor{});
+  EXPECT_TRUE(needs_of(scene).specular);
+}
+
+}  // namespace
+}  // namespace twopass

@@ -1,0 +1,111 @@
+#include "render/render_image.h"
+
+#include <gtest/gtest.h>
+
+#include "integrators/path.h"
+#include "render/core/interrupt.h"
+#include "render/core/parallel.h"
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+// Radiance that is a known function of the ray, with noise of known size, and now and then something broken.
+class Synthetic final : public Integrator {
+ public:
+  explicit Synthetic(float noise, bool broken = false) : noise_(noise), broken_(broken) {}
+  Seen radiance(const Ray&, Sampler& sampler, RayCounts& counts) const override {
+    ++counts.rays;
+    const float u = sampler.next_1d();
+    if (broken_ && u < 0.25f) return {C3f(NAN), 1.0f};
+    return {C3f(1.0f + noise_ * (u - 0.5f)), 1.0f};
+  }
+
+ private:
+  float noise_;
+  bool broken_;
+};
+
+const CameraDescription description{look_at({0.5, 0.1, 0.5}, {0.5, 1, 0.5}, {0, 0, 1}, "test"), 60.0,
+                                    FovAxis::x};
+
+RenderOutcome run(const Integrator& integrator, Film& film, const SamplingGoal& goal, std::uint32_t seed = 1) {
+  const Camera camera(description, film.width(), film.height());
+  return render_image({integrator, camera, box_filter(), goal, seed, {}}, film);
+}
+
+TEST(RenderImage, TakesExactlyTheSamplesAskedFor) {
+  for (const int spp : {1, 7, 16, 100}) {
+    Film film(35, 18);
+    const RenderOutcome outcome = run(Synthetic(1.0f), film, {spp, 0, 0});
+    EXPECT_EQ(film.samples(), 35u * 18u * static_cast<unsigned>(spp));
+    EXPECT_EQ(outcome.counts.rays, film.samples());
+    EXPECT_EQ(outcome.stop_reason, "samples");
+    EXPECT_EQ(outcome.non_finite_samples, 0u);
+  }
+}
+
+TEST(RenderImage, SameBytesOnAnyNumberOfThreads) {
+  const Scene scene(test::unit_room(C3f(0.7f), C3f(1.0f), C3f(0.7f)));
+  const PathTracer path(scene, {});
+  std::vector<Image> images;
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    Film film(50, 40);
+    run(path, film, {8, 0, 0});
+    images.push_back(film.resolve());
+  }
+  EXPECT_EQ(images[0].pixels, images[1].pixels);
+  EXPECT_EQ(images[0].pixels, images[2].pixels);
+  Film other(50, 40);
+  run(path, other, {8, 0, 0}, 2);
+  EXPECT_NE(images[0].pixels, other.resolve().pixels);
+}
+
+TEST(RenderImage, NoiseGoalStopsAtTheErrorItPromises) {
+  Film film(32, 32);
+  const Synthetic noisy(2.0f);
+  const RenderOutcome outcome = run(noisy, film, {0, 0, 0.02});
+  EXPECT_EQ(outcome.stop_reason, "noise");
+  EXPECT_LE(film.relative_error(), 0.02);
+  // The true error is that of stratified samples, below that of random ones: 2 / sqrt(12 n).
+  double sum = 0.0;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) {
+      const double d = film.pixel(x, y).mean().x - 1.0;
+      sum += d * d / 1.01 / 1024;
+    }
+  EXPECT_LT(std::sqrt(sum), 0.02);
+}
+
+TEST(RenderImage, TimeGoalStopsAndFinishesTheFirstPass) {
+  Film film(64, 64);
+  const RenderOutcome outcome = run(Synthetic(1.0f), film, {0, 1e-6, 0});
+  EXPECT_EQ(outcome.stop_reason, "time");
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) EXPECT_GT(film.pixel(x, y).samples, 0u);
+}
+
+TEST(RenderImage, TheFirstGoalMetWins) {
+  Film film(16, 16);
+  EXPECT_EQ(run(Synthetic(2.0f), film, {4, 1000, 1e-9}).stop_reason, "samples");
+}
+
+TEST(RenderImage, InterruptEndsIt) {
+  interrupt_requested() = true;
+  Film film(64, 64);
+  const RenderOutcome outcome = run(Synthetic(1.0f), film, {100000, 0, 0});
+  interrupt_requested() = false;
+  EXPECT_EQ(outcome.stop_reason, "interrupted");
+}
+
+TEST(RenderImage, NonFiniteSamplesAreCountedAndBlack) {
+  Film film(16, 16);
+  const RenderOutcome outcome = run(Synthetic(0.0f, true), film, {64, 0, 0});
+  EXPECT_EQ(outcome.non_finite_samples, 16u * 16u * 16u);  // a stratified quarter
+  for (const float v : film.resolve().pixels) EXPECT_TRUE(std::isfinite(v));
+  EXPECT_NEAR(film.pixel(3, 3).mean().x, 0.75, 1e-6);
+}
+
+}  // namespace
+}  // namespace twopass
