@@ -23,8 +23,8 @@ inline bool reads_solution(IntegratorKind kind) {
   return kind == IntegratorKind::two_pass || kind == IntegratorKind::radiosity;
 }
 
-/// Edges of the shortest path that ends with direct light held by the solution: a gather ray goes between the camera's
-/// ray and the look-up.
+/// Edges of the shortest path that ends with direct light held by the solution: a gather ray goes between the
+/// camera's ray and the look-up.
 inline int edges_to_solution(IntegratorKind kind) { return kind == IntegratorKind::two_pass ? 3 : 2; }
 
 /// REQUIRES: scene and solution outlive the integrator. `solution` may be null: the pass was skipped.

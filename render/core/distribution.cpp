@@ -1,7 +1,5 @@
 #include "render/core/distribution.h"
 
-#include <algorithm>
-
 namespace twopass {
 
 DiscreteDistribution::DiscreteDistribution(std::span<const double> weights) {
@@ -25,14 +23,8 @@ DiscreteDistribution::DiscreteDistribution(std::span<const double> weights) {
       break;
     }
   }
-}
-
-DiscreteDistribution::Choice DiscreteDistribution::sample(float u) const {
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), u);
-  const auto index = static_cast<std::uint32_t>(found - cumulative_.begin());
-  const float begin = index == 0 ? 0.0f : cumulative_[index - 1];
-  const float remapped = (u - begin) / probability_[index];
-  return {index, probability_[index], std::min(remapped, 0x1.fffffep-1f)};
+  for (const float probability : probability_)
+    reciprocal_.push_back(probability > 0.0f ? 1.0f / probability : 0.0f);
 }
 
 }  // namespace twopass

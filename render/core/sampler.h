@@ -8,33 +8,85 @@
 
 namespace twopass {
 
-/// A well-mixed 64-bit hash of two words (the finaliser of SplitMix64, Steele et al. 2014).
-inline std::uint64_t hash_words(std::uint32_t a, std::uint32_t b) {
-  std::uint64_t h = (static_cast<std::uint64_t>(a) << 32 | b) * 0x9e3779b97f4a7c15u + 0x7f4a7c15f39cc060u;
+/// A well-mixed 64-bit hash of a word (the finaliser of SplitMix64, Steele et al. 2014).
+inline std::uint64_t hash_word(std::uint64_t h) {
   h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
   h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
   return h ^ (h >> 31);
 }
+/// The same of two words.
+inline std::uint64_t hash_words(std::uint32_t a, std::uint32_t b) {
+  return hash_word((std::uint64_t{a} << 32 | b) * 0x9e3779b97f4a7c15u + 0x7f4a7c15f39cc060u);
+}
 
-/// The point `index` of the first two Sobol dimensions as 32-bit fractions, each Owen-scrambled by its seed
-/// (Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020).
-void owen_sobol_2d(std::uint32_t index, std::uint32_t seed_x, std::uint32_t seed_y, std::uint32_t& x,
-                   std::uint32_t& y);
+/// Bits of the word in reverse order.
+inline std::uint64_t reverse_bits(std::uint64_t x) {
+  x = ((x >> 1) & 0x5555555555555555u) | ((x & 0x5555555555555555u) << 1);
+  x = ((x >> 2) & 0x3333333333333333u) | ((x & 0x3333333333333333u) << 2);
+  x = ((x >> 4) & 0x0f0f0f0f0f0f0f0fu) | ((x & 0x0f0f0f0f0f0f0f0fu) << 4);
+  return __builtin_bswap64(x);
+}
+inline std::uint32_t reverse_bits(std::uint32_t x) {
+  return static_cast<std::uint32_t>(reverse_bits(std::uint64_t{x}) >> 32);
+}
+
+/// A permutation in which each bit depends only on itself and the bits below it: an Owen scramble of a number
+/// whose bits are reversed (Laine and Karras 2011; constants by Vegdahl 2021).
+inline std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) {
+  x ^= x * 0x3d20adeau;
+  x += seed;
+  x *= (seed >> 16) | 1u;
+  x ^= x * 0x05526c56u;
+  x ^= x * 0x53a22864u;
+  return x;
+}
+
+/// The second Sobol dimension of a point, bits reversed: its index times Pascal's triangle modulo 2, a factor
+/// at a time. (The first dimension, bits reversed, is the index itself.)
+inline std::uint32_t sobol_dimension_1_reversed(std::uint32_t index) {
+  index ^= index >> 16;
+  index ^= (index & 0xff00ff00u) >> 8;
+  index ^= (index & 0xf0f0f0f0u) >> 4;
+  index ^= (index & 0xccccccccu) >> 2;
+  index ^= (index & 0xaaaaaaaau) >> 1;
+  return index;
+}
 
 /// One sample's source of numbers in [0, 1). Dimensions are drawn in pairs; each pair is a scrambled and
-/// shuffled (0,2)-sequence over the sample index, independent between streams.
+/// shuffled (0,2)-sequence over the sample index, independent between streams (Burley, "Practical Hash-based
+/// Owen Scrambling", JCGT 9(4), 2020). Inline: a path draws a dozen of them.
 class Sampler {
  public:
   Sampler(std::uint32_t seed, std::uint32_t stream, std::uint32_t index)
-      : key_(static_cast<std::uint32_t>(hash_words(seed, stream))), index_(index) {}
+      : state_(hash_words(seed, stream)), reversed_index_(reverse_bits(index)) {}
 
-  V2f next_2d();
-  float next_1d() { return next_2d().x; }
+  V2f next_2d() {
+    const std::uint64_t seeds = next_seeds();
+    const std::uint32_t index = shuffled_index(seeds);
+    const std::uint64_t x = scramble_reversed(index, static_cast<std::uint32_t>(seeds));
+    const std::uint64_t y =
+        scramble_reversed(sobol_dimension_1_reversed(index), static_cast<std::uint32_t>(seeds >> 32));
+    const std::uint64_t both = reverse_bits(x << 32 | y);
+    return {to_unit_float(static_cast<std::uint32_t>(both)),
+            to_unit_float(static_cast<std::uint32_t>(both >> 32))};
+  }
+  float next_1d() {
+    const std::uint64_t seeds = next_seeds();
+    return to_unit_float(
+        reverse_bits(scramble_reversed(shuffled_index(seeds), static_cast<std::uint32_t>(seeds))));
+  }
 
  private:
-  std::uint32_t key_;
-  std::uint32_t index_;
-  std::uint32_t pair_ = 0;
+  std::uint64_t next_seeds() { return hash_word(state_ += 0x9e3779b97f4a7c15u); }
+  // Shuffling the index (itself an Owen scramble, so that every aligned block of 2^k samples stays one) makes
+  // pairs independent.
+  [[nodiscard]] std::uint32_t shuffled_index(std::uint64_t seeds) const {
+    return reverse_bits(scramble_reversed(reversed_index_, static_cast<std::uint32_t>(seeds >> 16)));
+  }
+  static float to_unit_float(std::uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
+
+  std::uint64_t state_;
+  std::uint32_t reversed_index_;
 };
 
 }  // namespace twopass

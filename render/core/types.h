@@ -42,8 +42,10 @@ inline V3f unit(const V3f& v) {
   return v.normalized();
 }
 
-inline float max_component(const V3f& v) { return std::max({v.x, v.y, v.z}); }
-inline float max_abs_component(const V3f& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+inline float max_component(const V3f& v) { return std::max(v.x, std::max(v.y, v.z)); }
+inline float max_abs_component(const V3f& v) {
+  return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
+}
 inline float mean_component(const V3f& v) { return (v.x + v.y + v.z) * (1.0f / 3.0f); }
 inline bool is_black(const V3f& c) { return c.x == 0.0f && c.y == 0.0f && c.z == 0.0f; }
 

@@ -48,7 +48,15 @@ class Scene {
   }
 
  private:
+  // What every vertex on a triangle needs and would else be computed again each time: 16 bytes a triangle.
+  struct Face {
+    V3f normal;    // unit, of the front
+    float offset;  // SurfacePoint::offset
+  };
+  [[nodiscard]] static std::vector<std::vector<Face>> faces_of(std::span<const Shape> shapes);
+
   SceneDescription description_;
+  std::vector<std::vector<Face>> faces_;  // by shape and triangle
   Box3f bounds_;
   RayCaster caster_;
   Lights lights_;
@@ -66,8 +74,9 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
     const auto p = corners(*mesh, hit.primitive);
     const float w = 1.0f - hit.u - hit.v;
     point.position = p[0] * w + p[1] * hit.u + p[2] * hit.v;
-    normal = unit((p[1] - p[0]).cross(p[2] - p[0]));
-    point.offset = rounding_offset(p);
+    const Face& face = faces_[hit.shape][hit.primitive];
+    normal = face.normal;
+    point.offset = face.offset;
     shading_normal = normal;
     if (!mesh->normals.empty()) {
       const V3u& index = mesh->triangles[hit.primitive];

@@ -40,16 +40,27 @@ TEST(Sampler, PairsAreZeroTwoSequencesForEverySeed) {
   }
 }
 
-// The scrambled points refine the plain ones: the digit of the first scrambled bit is the first Sobol bit or
-// its complement, for all indices alike.
-TEST(Sampler, FirstBitsAreThoseOfSobolOrTheirComplement) {
-  std::uint32_t x0, y0;
-  owen_sobol_2d(0, 99, 77, x0, y0);
+TEST(Sampler, SecondDimensionIsSobols) {
+  for (std::uint32_t i = 0; i < 100000; i += 7) {
+    ASSERT_EQ(reverse_bits(sobol_dimension_1_reversed(i)), sobol_dimension_1(i)) << i;
+  }
+}
+
+TEST(Sampler, ReversingTwiceChangesNothing) {
+  EXPECT_EQ(reverse_bits(std::uint32_t{1}), 0x80000000u);
+  EXPECT_EQ(reverse_bits(std::uint64_t{2}), std::uint64_t{1} << 62);
+  EXPECT_EQ(reverse_bits(reverse_bits(std::uint32_t{0x12345678})), 0x12345678u);
+}
+
+// What makes it an Owen scramble: whether a bit is flipped depends on the bits above it alone.
+TEST(Sampler, ScramblingKeepsSharedLeadingBits) {
   for (std::uint32_t i = 0; i < 4096; ++i) {
-    std::uint32_t x, y;
-    owen_sobol_2d(i, 99, 77, x, y);
-    EXPECT_EQ((y ^ y0) >> 31, sobol_dimension_1(i) >> 31);
-    EXPECT_EQ((x ^ x0) >> 31, i & 1);
+    const std::uint32_t x = static_cast<std::uint32_t>(hash_words(i, 1));
+    for (int shared = 1; shared < 32; ++shared) {
+      const std::uint32_t y = x ^ (1u << shared);  // differs in bit `shared`, agrees below (reversed order)
+      const std::uint32_t difference = scramble_reversed(x, i * 77) ^ scramble_reversed(y, i * 77);
+      ASSERT_EQ(difference & ((2u << shared) - 1u), 1u << shared);
+    }
   }
 }
 
@@ -65,18 +76,24 @@ TEST(Sampler, IsAPureFunctionOfSeedStreamIndexAndDimension) {
 
 // Different pairs of one stream, and the same pair of different streams, must not be correlated.
 TEST(Sampler, PairsAndStreamsAreUncorrelated) {
-  constexpr int n = 1 << 14;
-  double between_pairs = 0.0, between_streams = 0.0;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    Sampler a(1, 2, i), b(1, 3, i);
-    const float first = a.next_1d() - 0.5f, second = a.next_1d() - 0.5f, other = b.next_1d() - 0.5f;
-    between_pairs += first * second;
-    between_streams += first * other;
+  constexpr int n = 1 << 12, streams = 200;
+  double pairs2 = 0.0,
+         streams2 = 0.0;  // squared sums in units of their variance if all numbers were independent
+  for (std::uint32_t k = 0; k < streams; ++k) {
+    double between_pairs = 0.0, between_streams = 0.0;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      Sampler a(1, 2 * k, i), b(1, 2 * k + 1, i);
+      const float first = a.next_1d() - 0.5f, second = a.next_1d() - 0.5f, other = b.next_1d() - 0.5f;
+      between_pairs += first * second;
+      between_streams += first * other;
+    }
+    pairs2 += between_pairs * between_pairs * 144.0 / n / streams;
+    streams2 += between_streams * between_streams * 144.0 / n / streams;
   }
-  // Under independence the correlation has standard deviation 1 / sqrt(n); five of them.
-  const double limit = 5.0 / 12.0 * std::sqrt(static_cast<double>(n));
-  EXPECT_LT(std::abs(between_pairs), limit);
-  EXPECT_LT(std::abs(between_streams), limit);
+  // Neighbouring indices fall into opposite halves in both, so that products come in equal pairs: up to 2
+  // instead of 1. Correlated numbers would give n / 144 and more.
+  EXPECT_LT(pairs2, 2.5);
+  EXPECT_LT(streams2, 2.5);
 }
 
 // The point of it all: the error of a smooth integral falls much faster than 1/sqrt(N).

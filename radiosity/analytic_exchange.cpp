@@ -1,0 +1,95 @@
+#include "radiosity/analytic_exchange.h"
+
+#include <atomic>
+
+#include "radiosity/form_factor_pair.h"
+#include "radiosity/visibility.h"
+#include "render/core/error.h"
+#include "render/core/interrupt.h"
+#include "render/core/parallel.h"
+#include "render/core/sampler.h"
+
+namespace twopass {
+
+namespace {
+
+// Few, because there are many pairs of elements and their errors average out.
+constexpr std::uint32_t visibility_pairs = 4;
+
+struct Entry {
+  std::uint32_t column;
+  float value;
+};
+
+bool share_inside_of_sphere(const Patch& a, const Patch& b) {
+  return a.on_sphere && b.on_sphere && a.signed_radius < 0.0 && a.signed_radius == b.signed_radius &&
+         a.center == b.center;
+}
+
+ExchangeMatrix symmetric_matrix(const std::vector<std::vector<Entry>>& upper) {
+  const auto n = static_cast<Eigen::Index>(upper.size());
+  // Entries of a row left of its diagonal are those of the rows above it.
+  Eigen::VectorXi size = Eigen::VectorXi::Zero(n);
+  for (std::size_t i = 0; i < upper.size(); ++i)
+    for (const Entry& entry : upper[i]) {
+      ++size[static_cast<Eigen::Index>(i)];
+      if (entry.column != i) ++size[entry.column];
+    }
+  ExchangeMatrix matrix(n, n);
+  matrix.reserve(size);
+  // Rows in ascending order append to every row in ascending order of columns: no insertion ever moves
+  // anything.
+  for (std::size_t i = 0; i < upper.size(); ++i)
+    for (const Entry& entry : upper[i]) {
+      const auto row = static_cast<Eigen::Index>(i);
+      if (entry.column != i) matrix.insert(entry.column, row) = entry.value;
+    }
+  for (std::size_t i = 0; i < upper.size(); ++i)
+    for (const Entry& entry : upper[i]) matrix.insert(static_cast<Eigen::Index>(i), entry.column) = entry.value;
+  matrix.makeCompressed();
+  return matrix;
+}
+
+}  // namespace
+
+double unoccluded_exchange(const Patch& a, const Patch& b, FormFactorMethod method) {
+  if (share_inside_of_sphere(a, b)) return a.area * b.area / (4.0 * pi * a.signed_radius * a.signed_radius);
+  const Polygon pa = a.polygon(), pb = b.polygon();
+  double exchange = method == FormFactorMethod::exact ? exchange_exact(pa, pb)
+                                                      : 0.5 * (exchange_point(pa, pb) + exchange_point(pb, pa));
+  if (exchange == 0.0) return 0.0;
+  if (a.on_sphere) exchange *= a.area / polygon_area(pa);
+  if (b.on_sphere) exchange *= b.area / polygon_area(pb);
+  return exchange;
+}
+
+ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caster, FormFactorMethod method,
+                                 std::uint32_t seed, std::uint64_t& rays) {
+  const auto n = static_cast<std::uint32_t>(mesh.count());
+  if (n > analytic_max_elements)
+    throw Error("form factors",
+                std::to_string(n) + " elements are more than the " + std::to_string(analytic_max_elements) +
+                    " whose pairs can all be visited",
+                "use --form-factors rays, or fewer elements (--elements)");
+  std::vector<Patch> patch(n);
+  for (std::uint32_t i = 0; i < n; ++i) patch[i] = mesh.patch(i);
+  std::vector<std::vector<Entry>> upper(n);
+  std::atomic<std::uint64_t> rays_cast{0};
+  parallel_for(n, 1, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t row_rays = 0;
+    for (auto i = static_cast<std::uint32_t>(begin); i < end && !interrupt_requested(); ++i)
+      for (std::uint32_t j = i; j < n; ++j) {
+        const double unoccluded = unoccluded_exchange(patch[i], patch[j], method);
+        if (!(unoccluded > 0.0)) continue;
+        const std::uint32_t key = hash_words(hash_words(seed, i), j);
+        const double fraction =
+            i == j ? 1.0 : visible_fraction(caster, patch[i], patch[j], key, visibility_pairs, row_rays);
+        if (fraction > 0.0) upper[i].push_back({j, static_cast<float>(unoccluded * fraction)});
+      }
+    rays_cast += row_rays;
+  });
+  rays += rays_cast;
+  return symmetric_matrix(upper);
+}
+
+}  // namespace twopass

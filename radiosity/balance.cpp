@@ -1,0 +1,25 @@
+#include "radiosity/balance.h"
+
+#include "render/core/parallel.h"
+
+namespace twopass {
+
+C3d Balance::gather(std::uint32_t i, std::span<const C3d> radiosity) const {
+  if (!(area[i] > 0.0)) return C3d(0.0);
+  C3d sum(0.0);
+  for (ExchangeMatrix::InnerIterator it(exchange, i); it; ++it)
+    sum += radiosity[static_cast<std::size_t>(it.col())] * static_cast<double>(it.value());
+  sum *= 1.0 / area[i];
+  for (const SpecularLink& link : specular.of(i)) sum += radiosity[link.element] * C3d(link.weight);
+  return sum;
+}
+
+std::vector<C3d> Balance::gather_all(std::span<const C3d> radiosity) const {
+  std::vector<C3d> result(count());
+  parallel_for(count(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) result[i] = gather(static_cast<std::uint32_t>(i), radiosity);
+  });
+  return result;
+}
+
+}  // namespace twopass

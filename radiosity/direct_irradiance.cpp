@@ -1,0 +1,189 @@
+#include "radiosity/direct_irradiance.h"
+
+#include <atomic>
+
+#include "radiosity/form_factor_pair.h"
+#include "radiosity/lambert.h"
+#include "radiosity/visibility.h"
+#include "render/core/parallel.h"
+#include "render/core/sampler.h"
+#include "render/core/warp.h"
+
+namespace twopass {
+
+namespace {
+
+struct Emitter {
+  Patch patch;
+  Polygon polygon;
+  C3d exitance;  // pi times its radiance
+  bool is_element;
+};
+
+// The emitting sides of triangles, or nothing if spheres emit or there are too many.
+std::vector<Emitter> analytic_emitters(const Scene& scene, const ElementMesh& mesh) {
+  std::vector<Emitter> emitters;
+  for (std::uint32_t s = 0; s < scene.shapes().size(); ++s) {
+    const Shape& shape = scene.shapes()[s];
+    if (!is_emitter(shape)) continue;
+    const auto* triangles = std::get_if<Mesh>(&shape.geometry);
+    if (!triangles || triangles->triangles.size() > most_analytic_emitters) return {};
+    for (const Side side : {front, back}) {
+      if (is_black(shape.radiance[side])) continue;
+      for (std::uint32_t i = 0; i < triangles->triangles.size(); ++i) {
+        const Patch patch = triangle_patch(*triangles, i, side);
+        if (patch.area > 0.0)
+          emitters.push_back(
+              {patch, patch.polygon(), C3d(shape.radiance[side]) * pi, mesh.has_elements(s, side)});
+      }
+    }
+    if (emitters.size() > most_analytic_emitters) return {};
+  }
+  return emitters;
+}
+
+// A_i F_ie without obstacles. A spherical patch is seen by points with its true normals.
+double unoccluded_exchange_with(const Patch& patch, const Emitter& emitter, FormFactorMethod method,
+                                std::uint32_t key) {
+  if (patch.on_sphere) {
+    constexpr std::uint32_t points = 16;
+    double sum = 0.0;
+    for (std::uint32_t k = 0; k < points; ++k) {
+      const ElementPoint point = patch.sample(Sampler(key, 1, k).next_2d());
+      sum += point_form_factor(point.position, point.normal, emitter.polygon);
+    }
+    return patch.area * sum / points;
+  }
+  if (method == FormFactorMethod::point) return exchange_point(patch.polygon(), emitter.polygon);
+  // Rays are content with less than what the statistics of everything else allow.
+  return exchange_exact(patch.polygon(), emitter.polygon, method == FormFactorMethod::exact ? 1e-6 : 1e-3);
+}
+
+class AnalyticDirect {
+ public:
+  AnalyticDirect(const Scene& scene, const ElementMesh& mesh, std::vector<Emitter> emitters)
+      : scene_(scene),
+        mesh_(mesh),
+        emitters_(std::move(emitters)),
+        exchange_(mesh.count() * emitters_.size()) {}
+
+  void find_exchange(FormFactorMethod method, std::uint32_t seed, std::uint64_t& rays) {
+    // 16 for each of up to four emitters; more emitters share them, because their errors average out.
+    const auto pairs = static_cast<std::uint32_t>(std::clamp<std::size_t>(64 / emitters_.size(), 4, 16));
+    std::atomic<std::uint64_t> rays_cast{0};
+    parallel_for(mesh_.count(), 32, [&](std::size_t begin, std::size_t end) {
+      std::uint64_t own_rays = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        const Patch patch = mesh_.patch(static_cast<std::uint32_t>(i));
+        for (std::size_t e = 0; e < emitters_.size(); ++e) {
+          const std::uint32_t key =
+              hash_words(hash_words(seed, static_cast<std::uint32_t>(i)), ~std::uint32_t(e));
+          const double unoccluded = unoccluded_exchange_with(patch, emitters_[e], method, key);
+          if (unoccluded > 0.0)
+            exchange(i, e) =
+                unoccluded * visible_fraction(scene_.caster(), patch, emitters_[e].patch, key, pairs, own_rays);
+        }
+      }
+      rays_cast += own_rays;
+    });
+    rays += rays_cast;
+  }
+
+  // Scales what leaves each emitter to its area: nothing is lost in a closed scene.
+  void conserve() {
+    for (std::size_t e = 0; e < emitters_.size(); ++e) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < mesh_.count(); ++i) sum += exchange(i, e);
+      for (std::size_t i = 0; sum > 0.0 && i < mesh_.count(); ++i)
+        exchange(i, e) *= emitters_[e].patch.area / sum;
+    }
+  }
+
+  [[nodiscard]] DirectIrradiance result() {
+    DirectIrradiance direct;
+    direct.irradiance.assign(mesh_.count(), C3d(0.0));
+    direct.exchange_with_lamps.assign(mesh_.count(), 0.0);
+    for (std::size_t i = 0; i < mesh_.count(); ++i) {
+      const double area = mesh_.area(static_cast<std::uint32_t>(i));
+      if (!(area > 0.0)) continue;
+      for (std::size_t e = 0; e < emitters_.size(); ++e) {
+        direct.irradiance[i] += emitters_[e].exitance * (exchange(i, e) / area);
+        if (!emitters_[e].is_element) direct.exchange_with_lamps[i] += exchange(i, e);
+      }
+    }
+    return direct;
+  }
+
+ private:
+  double& exchange(std::size_t i, std::size_t e) { return exchange_[i * emitters_.size() + e]; }
+
+  const Scene& scene_;
+  const ElementMesh& mesh_;
+  std::vector<Emitter> emitters_;
+  std::vector<double> exchange_;  // by element, then emitter
+};
+
+// Half of the samples on the lights, half of the directions cosine-distributed, combined by the balance
+// heuristic (Veach 1997, section 9.2.2): neither small nor huge nor touching lights are a problem.
+C3d sampled_irradiance(const Scene& scene, const Patch& patch, std::uint32_t seed, std::uint32_t element,
+                       std::uint64_t& rays) {
+  constexpr std::uint32_t samples = 64;
+  C3d sum(0.0);
+  for (std::uint32_t k = 0; k < samples; ++k) {
+    Sampler sampler(seed, element, k);
+    const ElementPoint point = patch.sample(sampler.next_2d());
+    const V3f start = point.ray_position(), normal(point.normal);
+
+    const LightSample light = scene.lights().sample(start, sampler.next_2d());
+    const float cosine = light.direction.dot(normal);
+    if (light.pdf_w > 0.0f && cosine > 0.0f && !is_black(light.radiance)) {
+      ++rays;
+      if (!scene.caster().occluded(start, light.position))
+        sum += C3d(light.radiance) * (cosine / (light.pdf_w + cosine_hemisphere_pdf_w(cosine)));
+    }
+
+    const V3f direction = Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+    const Ray ray{start, direction};
+    const Hit hit = scene.caster().intersect(ray);
+    ++rays;
+    if (hit.escaped()) continue;
+    const SurfacePoint seen = scene.surface_point(ray, hit);
+    const float cosine_seen = direction.dot(normal);
+    const C3f& radiance = scene.emitted_radiance(seen);
+    if (cosine_seen > 0.0f && !is_black(radiance))
+      sum += C3d(radiance) * (cosine_seen / (scene.lights().pdf_w(start, direction, hit.t, seen) +
+                                             cosine_hemisphere_pdf_w(cosine_seen)));
+  }
+  return sum * (1.0 / samples);
+}
+
+}  // namespace
+
+DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
+                                   bool conserve, std::uint32_t seed, std::uint64_t& rays) {
+  std::vector<Emitter> emitters = analytic_emitters(scene, mesh);
+  if (!emitters.empty()) {
+    AnalyticDirect analytic(scene, mesh, std::move(emitters));
+    analytic.find_exchange(method, seed, rays);
+    if (conserve) analytic.conserve();
+    return analytic.result();
+  }
+  DirectIrradiance direct;
+  direct.irradiance.assign(mesh.count(), C3d(0.0));
+  if (scene.lights().empty()) return direct;
+  std::atomic<std::uint64_t> rays_cast{0};
+  parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t own_rays = 0;
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      if (!(mesh.area(i) > 0.0)) continue;
+      const Patch patch = mesh.patch(i);
+      // Buried points receive nothing: the exposed ones have it all.
+      direct.irradiance[i] = sampled_irradiance(scene, patch, seed, i, own_rays) * (patch.area / mesh.area(i));
+    }
+    rays_cast += own_rays;
+  });
+  rays += rays_cast;
+  return direct;
+}
+
+}  // namespace twopass

@@ -1,0 +1,26 @@
+// Irradiance of the elements straight from emitters, without the sky and without reflections.
+#pragma once
+
+#include "radiosity/elements.h"
+#include "radiosity/options.h"
+#include "render/scene/scene.h"
+
+namespace twopass {
+
+struct DirectIrradiance {
+  std::vector<C3d> irradiance;  ///< by element, W/m2
+  /// By element, in units of area: what it exchanges with emitting sides that are no elements. Empty when the
+  /// emitters were sampled (too many, or spheres).
+  std::vector<double> exchange_with_lamps;
+};
+
+/// Up to `most_analytic_emitters` emitting triangles: analytic form factors times the visible fraction;
+/// emitters are not divided. More of them, or spheres: sampled points on the lights and sampled directions,
+/// combined by the balance heuristic. `conserve`: scale the factors of each emitter so that all of its power
+/// arrives; for closed scenes in which every side is an element. `rays` is increased.
+DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
+                                   bool conserve, std::uint32_t seed, std::uint64_t& rays);
+
+inline constexpr std::size_t most_analytic_emitters = 16;
+
+}  // namespace twopass

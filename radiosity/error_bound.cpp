@@ -1,0 +1,62 @@
+#include "radiosity/error_bound.h"
+
+namespace twopass {
+
+Contraction contraction(const Balance& balance) {
+  Contraction q;
+  const std::uint32_t n = balance.count();
+  std::vector<C3d> column(n, C3d(0.0));  // Sum_i A_i rho_i F_ij
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double area = balance.area[i];
+    if (!(area > 0.0)) continue;
+    const C3d rho(balance.reflectance[i]);
+    C3d row(0.0);
+    for (ExchangeMatrix::InnerIterator it(balance.exchange, i); it; ++it) {
+      row += C3d(static_cast<double>(it.value()) / area);
+      column[static_cast<std::size_t>(it.col())] += rho * static_cast<double>(it.value());
+    }
+    for (const SpecularLink& link : balance.specular.of(i)) {
+      row += C3d(link.weight);
+      column[link.element] += rho * C3d(link.weight) * area;
+    }
+    for (int c = 0; c < 3; ++c) q.by_maximum[c] = std::max(q.by_maximum[c], rho[c] * row[c]);
+  }
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (int c = 0; c < 3 && balance.area[j] > 0.0; ++c)
+      q.by_power[c] = std::max(q.by_power[c], column[j][c] / balance.area[j]);
+  return q;
+}
+
+double error_from_residual(double q_power, double q_maximum, double residual_power, double residual_maximum,
+                           double total_area) {
+  double error = std::numeric_limits<double>::infinity();
+  if (q_power < 1.0) error = std::min(error, residual_power / (1.0 - q_power));
+  if (q_maximum < 1.0) error = std::min(error, total_area * residual_maximum / (1.0 - q_maximum));
+  return error;
+}
+
+BalanceError balance_error(const Balance& balance, const Contraction& q, std::span<const C3d> radiosity,
+                           std::span<const C3d> gathered) {
+  C3d power(0.0), residual_power(0.0), residual_maximum(0.0);
+  double total_area = 0.0;
+  for (std::uint32_t i = 0; i < balance.count(); ++i) {
+    const C3d residual = C3d(balance.reflectance[i]) * (balance.direct[i] + gathered[i]) - radiosity[i];
+    total_area += balance.area[i];
+    power += radiosity[i] * balance.area[i];
+    for (int c = 0; c < 3; ++c) {
+      residual_power[c] += balance.area[i] * std::abs(residual[c]);
+      residual_maximum[c] = std::max(residual_maximum[c], std::abs(residual[c]));
+    }
+  }
+  BalanceError error;
+  for (int c = 0; c < 3; ++c) {
+    if (residual_power[c] == 0.0) continue;  // a dark channel has no error
+    const double absolute =
+        error_from_residual(q.by_power[c], q.by_maximum[c], residual_power[c], residual_maximum[c], total_area);
+    error.residual = std::max(error.residual, residual_power[c] / power[c]);
+    error.bound = std::max(error.bound, absolute / power[c]);
+  }
+  return error;
+}
+
+}  // namespace twopass

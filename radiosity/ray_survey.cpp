@@ -1,0 +1,250 @@
+#include "radiosity/ray_survey.h"
+
+#include <atomic>
+
+#include "radiosity/specular_path.h"
+#include "render/core/parallel.h"
+#include "render/core/warp.h"
+
+namespace twopass {
+
+namespace {
+
+// What the rays of one element have found besides their landings.
+struct Finding {
+  std::vector<SpecularLink> links;
+  double exposed = 1.0;  // fraction of the rays that started at exposed points
+  C3d sky{0.0};          // sum over rays of what they carry from the sky, in units of its radiance
+};
+
+constexpr double smallest_exposed = 1.0 / 16.0;
+
+std::size_t count_exposed(std::span<const std::uint32_t> sorted) {
+  return static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), RaySurvey::buried) -
+                                  sorted.begin());
+}
+
+// Counts of all elements together. Sums of integers, so the order of threads does not matter.
+struct Tally {
+  std::atomic<std::uint64_t> lamp{0}, black{0}, specular{0}, sky{0}, rays{0};
+};
+
+std::uint32_t landing_without_element(const Scene& scene, const SurfacePoint& point) {
+  return is_black(scene.emitted_radiance(point)) ? RaySurvey::on_black : RaySurvey::on_lamp;
+}
+
+class ElementSurvey {
+ public:
+  ElementSurvey(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed)
+      : scene_(scene), mesh_(mesh), seed_(seed) {}
+
+  // Casts the rays of an element and writes their landings.
+  Finding run(std::uint32_t element, std::span<std::uint32_t> landings, std::uint64_t& rays) const {
+    Finding finding;
+    const Patch patch = mesh_.patch(element);
+    if (!(patch.area > 0.0)) {
+      std::fill(landings.begin(), landings.end(), RaySurvey::buried);
+      return {{}, 0.0, C3d(0.0)};
+    }
+    const float size = mesh_.size(element);
+    for (std::uint32_t k = 0; k < landings.size(); ++k) {
+      Sampler sampler(seed_, element, k);
+      const ElementPoint start = patch.sample(sampler.next_2d());
+      const V3f direction = Frame(V3f(start.normal)).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+      landings[k] = cast({start.ray_position(), direction}, V3f(start.normal), size, sampler, finding, rays);
+    }
+    std::sort(landings.begin(), landings.end());
+    const auto exposed = static_cast<double>(count_exposed(landings));
+    finding.exposed = exposed / static_cast<double>(landings.size());
+    merge_links(finding.links, static_cast<float>(1.0 / exposed));
+    finding.sky *= 1.0 / exposed;
+    // What is left of an element that is all but buried is too little for a measurement.
+    if (finding.exposed < smallest_exposed) finding = {{}, 0.0, C3d(0.0)};
+    return finding;
+  }
+
+ private:
+  std::uint32_t cast(const Ray& ray, const V3f& normal, float size, Sampler& sampler, Finding& finding,
+                     std::uint64_t& rays) const {
+    const Hit hit = scene_.caster().intersect(ray);
+    ++rays;
+    if (hit.escaped()) {
+      finding.sky += C3d(1.0);
+      return RaySurvey::in_the_sky;
+    }
+    const SurfacePoint point = scene_.surface_point(ray, hit);
+    if (is_covered(ray, hit, point, normal, size)) return RaySurvey::buried;
+    const std::uint32_t element = mesh_.find(point);
+    if (element != no_index) return element;
+    if (shows_inside(point))
+      return is_inside_solid(ray, normal, sampler, rays) ? RaySurvey::buried : RaySurvey::on_black;
+    if (!is_specular(scene_.bsdf(point))) return landing_without_element(scene_, point);
+    follow(ray, point, sampler, finding, rays);
+    return RaySurvey::on_specular;
+  }
+
+  // A surface parallel to the element and much closer than the element is large: a lamp on a ceiling, a carpet.
+  [[nodiscard]] static bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point,
+                                       const V3f& normal, float size) {
+    return point.geometric_normal.dot(normal) < -0.9f &&
+           hit.t * ray.direction.dot(normal) < 0.25f * size;
+  }
+
+  // The black back of a one-sided surface: most likely the inside of something solid.
+  [[nodiscard]] bool shows_inside(const SurfacePoint& point) const {
+    return point.side == back && mesh_.has_elements(point.shape, front) &&
+           is_black(scene_.emitted_radiance(point)) && !is_specular(scene_.bsdf(point));
+  }
+
+  // Whether two more rays from the same place see the inside of something solid, too: then it surrounds them.
+  [[nodiscard]] bool is_inside_solid(const Ray& ray, const V3f& normal, Sampler& sampler,
+                                     std::uint64_t& rays) const {
+    for (int probe = 0; probe < 2; ++probe) {
+      const Ray other{ray.origin, Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
+      const Hit hit = scene_.caster().intersect(other);
+      ++rays;
+      if (hit.escaped() || !shows_inside(scene_.surface_point(other, hit))) return false;
+    }
+    return true;
+  }
+
+  // (R15): a specular surface is not an end but a continuation.
+  void follow(const Ray& ray, const SurfacePoint& point, Sampler& sampler, Finding& finding,
+              std::uint64_t& rays) const {
+    const SpecularPathEnd end = follow_specular(scene_, ray, point, Carried::radiance, sampler);
+    rays += end.rays;
+    if (is_black(end.weight)) return;
+    if (end.escaped) {
+      finding.sky += C3d(end.weight);
+      return;
+    }
+    const std::uint32_t element = mesh_.find(end.point);
+    if (element != no_index) finding.links.push_back({element, end.weight});
+  }
+
+  // One link for each source: sums in the order of rays, which is that of the stable sort.
+  static void merge_links(std::vector<SpecularLink>& links, float scale) {
+    std::stable_sort(links.begin(), links.end(),
+                     [](const SpecularLink& a, const SpecularLink& b) { return a.element < b.element; });
+    std::size_t kept = 0;
+    for (const SpecularLink& link : links) {
+      if (kept > 0 && links[kept - 1].element == link.element)
+        links[kept - 1].weight += link.weight * scale;
+      else
+        links[kept++] = {link.element, link.weight * scale};
+    }
+    links.resize(kept);
+  }
+
+  const Scene& scene_;
+  const ElementMesh& mesh_;
+  std::uint32_t seed_;
+};
+
+void count_landings(std::span<const std::uint32_t> sorted, Tally& tally) {
+  const auto count = [&](std::uint32_t landing) {
+    const auto range = std::equal_range(sorted.begin(), sorted.end(), landing);
+    return static_cast<std::uint64_t>(range.second - range.first);
+  };
+  tally.lamp += count(RaySurvey::on_lamp);
+  tally.black += count(RaySurvey::on_black);
+  tally.specular += count(RaySurvey::on_specular);
+  tally.sky += count(RaySurvey::in_the_sky);
+}
+
+SpecularLinks join_links(std::vector<Finding>& findings) {
+  SpecularLinks all;
+  std::size_t total = 0;
+  for (const Finding& finding : findings) total += finding.links.size();
+  if (total == 0) return all;
+  all.link.reserve(total);
+  all.first.reserve(findings.size() + 1);
+  for (const Finding& finding : findings) {
+    all.first.push_back(all.link.size());
+    all.link.insert(all.link.end(), finding.links.begin(), finding.links.end());
+  }
+  all.first.push_back(all.link.size());
+  return all;
+}
+
+double share_of(std::span<const std::uint32_t> sorted, std::uint32_t first, std::uint32_t last) {
+  const auto begin = std::lower_bound(sorted.begin(), sorted.end(), first);
+  const auto end = std::upper_bound(sorted.begin(), sorted.end(), last);
+  const std::size_t exposed = count_exposed(sorted);
+  return exposed == 0 ? 0.0 : static_cast<double>(end - begin) / static_cast<double>(exposed);
+}
+
+}  // namespace
+
+double RaySurvey::share_on_elements(std::uint32_t element) const {
+  return share_of(landings_of(element), 0, on_lamp - 1);
+}
+double RaySurvey::share_on_specular(std::uint32_t element) const {
+  return share_of(landings_of(element), on_specular, on_specular);
+}
+
+double RaySurvey::share_in_sky(std::uint32_t element) const {
+  return share_of(landings_of(element), in_the_sky, in_the_sky);
+}
+
+RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uint32_t rays_per_element,
+                           std::uint32_t seed) {
+  RaySurvey survey;
+  survey.rays_per_element = rays_per_element;
+  survey.landings.resize(mesh.count() * rays_per_element);
+  std::vector<Finding> findings(mesh.count());
+  const ElementSurvey element_survey(scene, mesh, seed);
+  Tally tally;
+  parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t rays = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto landings = std::span(survey.landings).subspan(i * rays_per_element, rays_per_element);
+      findings[i] = element_survey.run(static_cast<std::uint32_t>(i), landings, rays);
+      count_landings(landings, tally);
+    }
+    tally.rays += rays;
+  });
+  survey.specular = join_links(findings);
+  for (const Finding& finding : findings) {
+    survey.exposed.push_back(finding.exposed);
+    survey.sky.push_back(finding.sky * C3d(scene.sky()) * pi);
+  }
+  survey.met_lamp = tally.lamp;
+  survey.met_black = tally.black;
+  survey.met_specular = tally.specular;
+  survey.met_sky = tally.sky;
+  survey.rays = tally.rays;
+  return survey;
+}
+
+ExchangeMatrix exchange_from_landings(const RaySurvey& survey, const ElementMesh& mesh) {
+  // N / A of whole elements, which is that of their exposed parts, too.
+  std::vector<double> rays_by_area(mesh.count());
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    rays_by_area[i] = survey.rays_per_element / mesh.patch(i).area;
+  const auto n = static_cast<Eigen::Index>(mesh.count());
+  ExchangeMatrix hits(n, n);
+  hits.reserve(static_cast<Eigen::Index>(survey.landings.size()));
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) {
+    hits.startVec(i);
+    const std::span<const std::uint32_t> sorted = survey.landings_of(i);
+    for (std::size_t k = 0; k < sorted.size() && sorted[k] < RaySurvey::on_lamp;) {
+      const std::size_t run = k;
+      while (k < sorted.size() && sorted[k] == sorted[run]) ++k;
+      hits.insertBack(i, static_cast<Eigen::Index>(sorted[run])) = static_cast<float>(k - run);
+    }
+  }
+  hits.finalize();
+  const ExchangeMatrix reverse = hits.transpose();
+  ExchangeMatrix exchange = hits + reverse;
+  // (R13): each of the two counts is Poisson of mean N F; their sum over N / A_i + N / A_j has the least
+  // variance.
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    for (ExchangeMatrix::InnerIterator it(exchange, i); it; ++it) {
+      const double density = rays_by_area[i] + rays_by_area[static_cast<std::size_t>(it.col())];
+      it.valueRef() *= static_cast<float>(1.0 / density);
+    }
+  return exchange;
+}
+
+}  // namespace twopass

@@ -1,0 +1,56 @@
+// The result of the radiosity pass: irradiance on both sides of every surface. It knows no camera, no pixel.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "radiosity/elements.h"
+#include "radiosity/irradiance.h"
+#include "radiosity/options.h"
+#include "render/scene/scene.h"
+
+namespace twopass {
+
+/// A radiosity solution. Const and thread-safe once built. REQUIRES: the scene outlives it.
+class Solution {
+ public:
+  /// REQUIRES: one irradiance an element.
+  Solution(ElementMesh mesh, std::vector<Irradiance> irradiance, RadiosityStats stats);
+  ~Solution();
+  Solution(Solution&&) noexcept;
+  Solution& operator=(Solution&&) noexcept;
+
+  /// Irradiance on the viewer's side, constant over each element; zero where there is no element.
+  [[nodiscard]] Irradiance irradiance(const SurfacePoint& point) const {
+    const std::uint32_t element = mesh_.find(point);
+    return element == no_index ? Irradiance{} : irradiance_[element];
+  }
+  /// The same made continuous for the eye: averaged at the corners of elements that meet at less than 30
+  /// degrees, and interpolated. Not closer to the truth. The first call prepares the averages.
+  [[nodiscard]] Irradiance smooth_irradiance(const SurfacePoint& point) const;
+  /// Square root of the element's area, in units of the scene; 0 where there is no element.
+  [[nodiscard]] float element_size(const SurfacePoint& point) const {
+    const std::uint32_t element = mesh_.find(point);
+    return element == no_index ? 0.0f : mesh_.size(element);
+  }
+
+  [[nodiscard]] const RadiosityStats& stats() const { return stats_; }
+  [[nodiscard]] const ElementMesh& mesh() const { return mesh_; }
+  /// By element.
+  [[nodiscard]] std::span<const Irradiance> irradiances() const { return irradiance_; }
+
+ private:
+  struct Smooth;
+  ElementMesh mesh_;
+  std::vector<Irradiance> irradiance_;
+  RadiosityStats stats_;
+  std::unique_ptr<Smooth> smooth_;
+};
+
+/// Divides the surfaces into elements and solves for the balance of light between them, in the order: elements,
+/// form factors, enforcement of their sums, direct irradiance, solver. The same bits on any number of threads.
+/// Throws Error when the chosen method cannot handle so many elements. When the user has asked to stop, what
+/// there is comes back early; stats().error_bound tells how good it is.
+Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options = {});
+
+}  // namespace twopass
