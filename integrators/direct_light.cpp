@@ -13,8 +13,10 @@ C3f sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsd
   if (is_black(scattered)) return C3f(0.0f);
   ++counts.shadow_rays;
   if (scene.caster().occluded(spawn_position(point, light.direction), light.position)) return C3f(0.0f);
-  const float weight = power_heuristic(light.pdf_w, pdf_w(bsdf, wo, wi));
-  return scattered * light.radiance * (weight / light.pdf_w);
+  // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
+  const float other = pdf_w(bsdf, wo, wi);
+  const float weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
+  return scattered * light.radiance * weight;
 }
 
 }  // namespace twopass

@@ -60,8 +60,15 @@ class Sampler {
   Sampler(std::uint32_t seed, std::uint32_t stream, std::uint32_t index)
       : state_(hash_words(seed, stream)), reversed_index_(reverse_bits(index)) {}
 
+  static constexpr std::uint32_t sobol_pairs = 8;
+
   V2f next_2d() {
     const std::uint64_t seeds = next_seeds();
+    if (pair_++ >= sobol_pairs) {
+      const std::uint64_t both = hash_word(seeds ^ reversed_index_);
+      return {to_unit_float(static_cast<std::uint32_t>(both)),
+              to_unit_float(static_cast<std::uint32_t>(both >> 32))};
+    }
     const std::uint32_t index = shuffled_index(seeds);
     const std::uint64_t x = scramble_reversed(index, static_cast<std::uint32_t>(seeds));
     const std::uint64_t y =
@@ -72,6 +79,8 @@ class Sampler {
   }
   float next_1d() {
     const std::uint64_t seeds = next_seeds();
+    if (pair_++ >= sobol_pairs)
+      return to_unit_float(static_cast<std::uint32_t>(hash_word(seeds ^ reversed_index_)));
     return to_unit_float(
         reverse_bits(scramble_reversed(shuffled_index(seeds), static_cast<std::uint32_t>(seeds))));
   }
@@ -87,6 +96,7 @@ class Sampler {
 
   std::uint64_t state_;
   std::uint32_t reversed_index_;
+  std::uint32_t pair_ = 0;
 };
 
 }  // namespace twopass

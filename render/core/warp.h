@@ -35,9 +35,10 @@ inline float cosine_hemisphere_pdf_w(float cos_theta) { return std::max(cos_thet
 
 /// Uniform barycentric coordinates (u, v) of the corners 1 and 2 of a triangle.
 inline V2f square_to_triangle(const V2f& u) {
-  // Folding the square keeps stratification better than the square root map (Heitz 2019).
-  if (u.x < u.y) return {0.5f * u.x, u.y - 0.5f * u.x};
-  return {u.x - 0.5f * u.y, 0.5f * u.y};
+  // Folding the square keeps stratification better than the square root map (Heitz 2019); no branch to
+  // mispredict.
+  const float half = 0.5f * std::min(u.x, u.y);
+  return {u.x - half, u.y - half};
 }
 
 /// Uniform direction.

@@ -16,6 +16,7 @@ namespace twopass {
 namespace {
 
 constexpr int size = 512;
+constexpr std::uint32_t samples_per_pixel = 4, pixels_drawn = 1 << 14;
 
 const LoadedScene& cornell_box() {
   static const LoadedScene loaded = load_scene(TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml", {});
@@ -26,9 +27,10 @@ const Scene& scene() {
   return built;
 }
 
-// The ray of one sample of a pixel, pixels in the order of a render's tiles.
+// The ray of one sample of a pixel; pixels in the order of a render's tiles, every sixteenth tile, so that the
+// whole picture is covered.
 Ray camera_ray(const Camera& camera, std::uint32_t pixel, Sampler& sampler) {
-  const std::uint32_t tile = pixel / 256, in_tile = pixel % 256;
+  const std::uint32_t tile = pixel / 256 * 16 + pixel / 4096 * 5, in_tile = pixel % 256;
   const V2f u = sampler.next_2d();
   return camera.ray({static_cast<float>(tile % 32 * 16 + in_tile % 16) + u.x,
                      static_cast<float>(tile / 32 % 32 * 16 + in_tile / 16) + u.y});
@@ -40,11 +42,12 @@ struct Query {
 };
 
 // The rays of path-traced paths, in the order in which the path tracer casts them.
-std::vector<Query> recorded_rays(std::size_t count) {
+std::vector<Query> recorded_rays() {
   const Camera camera(*cornell_box().scene.camera, size, size);
   std::vector<Query> queries;
-  for (std::uint32_t pixel = 0; queries.size() < count; pixel = (pixel + 1) % (size * size)) {
-    Sampler sampler(1, pixel, 0);
+  for (std::uint32_t i = 0; i < pixels_drawn * samples_per_pixel; ++i) {
+    const std::uint32_t pixel = i / samples_per_pixel;
+    Sampler sampler(1, pixel, i % samples_per_pixel);
     Ray ray = camera_ray(camera, pixel, sampler);
     C3f throughput(1.0f);
     for (int edges = 1;; ++edges) {
@@ -94,7 +97,7 @@ RTCScene bare_scene(RTCDevice device) {
 }
 
 void bare_embree(benchmark::State& state) {
-  const std::vector<Query> queries = recorded_rays(1 << 20);
+  const std::vector<Query> queries = recorded_rays();
   RTCDevice device = rtcNewDevice("");
   RTCScene bare = bare_scene(device);
   std::uint64_t hits = 0;
@@ -138,20 +141,19 @@ void path_tracer(benchmark::State& state) {
   const PathTracer path(scene(), {});
   RayCounts counts;
   C3f sum(0.0f);
-  std::uint32_t samples = 0;
   for (auto _ : state) {
-    for (std::uint32_t pixel = 0; pixel < 1 << 16; ++pixel) {
-      Sampler sampler(1, pixel, samples);
-      sum += path.radiance(camera_ray(camera, pixel * 4, sampler), sampler, counts).radiance;
+    for (std::uint32_t i = 0; i < pixels_drawn * samples_per_pixel; ++i) {
+      const std::uint32_t pixel = i / samples_per_pixel;
+      Sampler sampler(1, pixel, i % samples_per_pixel);
+      sum += path.radiance(camera_ray(camera, pixel, sampler), sampler, counts).radiance;
     }
-    ++samples;
   }
   benchmark::DoNotOptimize(sum);
   const auto rays = static_cast<double>(counts.rays + counts.shadow_rays);
   state.counters["rays"] = benchmark::Counter(rays, benchmark::Counter::kIsRate);
-  state.counters["paths"] =
-      benchmark::Counter(static_cast<double>(samples) * (1 << 16), benchmark::Counter::kIsRate);
-  state.counters["rays_per_path"] = rays / (static_cast<double>(samples) * (1 << 16));
+  const auto paths = static_cast<double>(state.iterations()) * pixels_drawn * samples_per_pixel;
+  state.counters["paths"] = benchmark::Counter(paths, benchmark::Counter::kIsRate);
+  state.counters["rays_per_path"] = rays / paths;
 }
 BENCHMARK(path_tracer)->Unit(benchmark::kMillisecond);
 

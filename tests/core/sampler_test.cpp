@@ -74,6 +74,21 @@ TEST(Sampler, IsAPureFunctionOfSeedStreamIndexAndDimension) {
   EXPECT_NE(u, a.next_2d());
 }
 
+// The independent numbers of deep dimensions must differ between samples, or all paths of a pixel would end
+// alike.
+TEST(Sampler, DeepDimensionsAreUniformOverTheSamples) {
+  constexpr int n = 1 << 14, cells = 8;
+  std::vector<double> seen(cells * cells, 0.0),
+      expected(cells * cells, static_cast<double>(n) / (cells * cells));
+  for (std::uint32_t i = 0; i < n; ++i) {
+    Sampler sampler(1, 2, i);
+    for (std::uint32_t k = 0; k < Sampler::sobol_pairs; ++k) sampler.next_2d();
+    const V2f u = sampler.next_2d();
+    seen[static_cast<int>(u.x * cells) * cells + static_cast<int>(u.y * cells)] += 1.0;
+  }
+  EXPECT_GT(test::chi2_test(seen, expected), 1e-4);
+}
+
 // Different pairs of one stream, and the same pair of different streams, must not be correlated.
 TEST(Sampler, PairsAndStreamsAreUncorrelated) {
   constexpr int n = 1 << 12, streams = 200;
