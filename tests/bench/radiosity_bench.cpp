@@ -18,7 +18,7 @@ void radiosity(benchmark::State& state, FormFactorMethod method, Solver solver) 
   options.solver = solver;
   options.max_elements = static_cast<std::size_t>(state.range(1));
   RadiosityStats stats;
-  for (auto _ : state) stats = solve_radiosity(scene, options).stats();
+  for ([[maybe_unused]] auto _ : state) stats = solve_radiosity(scene, options).stats();
   state.SetLabel(std::string(scenes[state.range(0)]) + " " + stats.form_factors + " " + stats.solver);
   state.counters["elements"] = static_cast<double>(stats.elements);
   state.counters["rays"] = static_cast<double>(stats.rays);

@@ -51,6 +51,21 @@ TEST(Solvers, BoundHoldsAfterEveryNumberOfIterations) {
   }
 }
 
+// (R20): each term adds one reflection; in a closed room of one albedo rho the power of k of them is a
+// geometric sum, and all of them are the solution.
+TEST(Solvers, SeriesAddsOneReflectionATerm) {
+  const Balance balance = test::random_balance(25, 1.0, false, 9);
+  const SolverResult none = solve_series(balance, 0);
+  for (std::uint32_t i = 0; i < balance.count(); ++i) {
+    EXPECT_EQ(none.irradiance[i], C3d(0.0));
+    EXPECT_EQ(none.radiosity[i], C3d(balance.reflectance[i]) * balance.direct[i]);
+  }
+  const SolverResult one = solve_series(balance, 1);
+  const std::vector<C3d> gathered = balance.gather_all(none.radiosity);
+  for (std::uint32_t i = 0; i < balance.count(); ++i) EXPECT_EQ(one.irradiance[i], gathered[i]);
+  EXPECT_LT(worst_relative_difference(balance, solve_series(balance, 20000), solve_lu(balance)), 1e-9);
+}
+
 TEST(Solvers, ShootingNeverOvershoots) {
   const Balance balance = test::random_balance(30, 1.0, true, 5);
   const SolverResult truth = solve_lu(balance);
