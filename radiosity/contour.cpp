@@ -230,13 +230,6 @@ double one_point_estimate(const Polygon& a, const Polygon& b) {
                          : area_b * signed_point_form_factor(polygon_centroid(b), vector_b / area_b, a);
 }
 
-double largest_coordinate(const Polygon& polygon) {
-  double largest = 0.0;
-  for (int i = 0; i < polygon.n; ++i)
-    for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::abs(polygon.v[i][axis]));
-  return largest;
-}
-
 }  // namespace
 
 double contour_exchange_clipped(const Polygon& a, const Polygon& b, double relative_accuracy) {

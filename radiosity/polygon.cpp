@@ -111,14 +111,14 @@ bool lies_in_plane_of(const Polygon& b, const Polygon& a, double error) {
   return true;
 }
 
+}  // namespace
+
 double largest_coordinate(const Polygon& polygon) {
   double largest = 0.0;
   for (int i = 0; i < polygon.n; ++i)
     for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::abs(polygon.v[i][axis]));
   return largest;
 }
-
-}  // namespace
 
 bool are_coplanar(const Polygon& a, const Polygon& b) {
   const double largest = std::max(largest_coordinate(a), largest_coordinate(b));

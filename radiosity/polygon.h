@@ -39,6 +39,9 @@ V3d polygon_centroid(const Polygon& polygon);
 /// The largest distance of a vertex from `centre`.
 double polygon_radius(const Polygon& polygon, const V3d& centre);
 
+/// Largest absolute coordinate of the vertices; 0 without any. Rounding errors are in proportion to it.
+double largest_coordinate(const Polygon& polygon);
+
 /// The part of the polygon in front of (or in) the plane through `point` with the given normal, of any length.
 /// Sutherland-Hodgman without a tolerance: a new vertex only where the signs strictly differ, so nothing is
 /// ever divided by zero. Parts without at least three vertices strictly in front or on the plane, and polygons

@@ -14,6 +14,7 @@ namespace twopass {
 namespace {
 
 constexpr double default_noise = 0.03;
+constexpr int exit_interrupted = 130;
 
 struct RenderOptions {
   SceneOptions scene;
@@ -182,6 +183,10 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.threads = limit.threads();
   s.seed = settings.seed;
 
+  if (s.samples == 0) {  // an older picture is better than an empty one
+    console.note("interrupted before the first sample: nothing is written");
+    return exit_interrupted;
+  }
   stopwatch = Stopwatch();
   const Image image = film.resolve();
   for (const std::string& output : options.outputs)
@@ -192,7 +197,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   report(options, s, console);
   if (s.outcome.stop_reason != "interrupted") return 0;
   console.note("interrupted: wrote what there was");
-  return 130;
+  return exit_interrupted;
 }
 
 }  // namespace

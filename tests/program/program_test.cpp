@@ -190,22 +190,40 @@ TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {
   EXPECT_EQ(lowest_alpha, 0.0f);
 }
 
-TEST_F(Program, InterruptWritesWhatThereIsAndExitsWith130) {
-  const fs::path picture = folder_ / "a.exr";
+// Runs the program on the Cornell box, presses Ctrl-C after two seconds, and returns the exit code.
+int exit_code_of_interrupted(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(),
+                   {"twopass", "render", TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml", "--quiet"});
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
   const pid_t child = fork();
   if (child == 0) {
-    const std::string scene = TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml";
-    execl(TWOPASS_PROGRAM, "twopass", "render", scene.c_str(), "--integrator", "path", "--size", "64x64",
-          "--spp", "60000", "-o", picture.c_str(), "--quiet", nullptr);
+    execv(TWOPASS_PROGRAM, argv.data());
     _exit(99);
   }
-  sleep(1);
+  sleep(2);
   kill(child, SIGINT);
   int status = 0;
   waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(Program, InterruptWritesWhatThereIsAndExitsWith130) {
+  const fs::path picture = folder_ / "a.exr";
+  EXPECT_EQ(exit_code_of_interrupted(
+                {"--integrator", "path", "--size", "64x64", "--spp", "60000", "-o", picture.string()}),
+            130);
   EXPECT_EQ(read_picture(picture).width, 64);
+}
+
+TEST_F(Program, InterruptBeforeTheFirstSampleKeepsTheOldPicture) {
+  write("a.exr", "an older picture");
+  // Pass one alone takes minutes here.
+  EXPECT_EQ(exit_code_of_interrupted(
+                {"--elements", "2000000", "--radiosity-error", "1e-9", "-o", (folder_ / "a.exr").string()}),
+            130);
+  EXPECT_EQ(read(folder_ / "a.exr"), "an older picture");
 }
 
 TEST_F(Program, AFailedWriteLeavesTheOldPictureAlone) {
