@@ -44,8 +44,8 @@ inline constexpr Named<Solver> solver_names[] = {
 struct RadiosityOptions {
   Solver solver = Solver::automatic;
   FormFactorMethod form_factors = FormFactorMethod::automatic;
-  /// Relative error to aim at. The iteration stops when the guaranteed mean error of the radiosity over its mean is
-  /// a tenth of it: an early stop always loses light, and the other errors need the rest.
+  /// Relative error to aim at. The iteration stops when the guaranteed mean error of the radiosity over its
+  /// mean is a tenth of it: an early stop always loses light, and the other errors need the rest.
   double relative_error = 0.01;
   /// Most elements, as long as one a triangle and side is enough; 0: a number that suits the method.
   std::size_t max_elements = 0;

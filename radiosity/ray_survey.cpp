@@ -86,8 +86,7 @@ class ElementSurvey {
   // A surface parallel to the element and much closer than the element is large: a lamp on a ceiling, a carpet.
   [[nodiscard]] static bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point,
                                        const V3f& normal, float size) {
-    return point.geometric_normal.dot(normal) < -0.9f &&
-           hit.t * ray.direction.dot(normal) < 0.25f * size;
+    return point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
   }
 
   // The black back of a one-sided surface: most likely the inside of something solid.

@@ -34,8 +34,8 @@ inline constexpr std::uint32_t lu_max_elements = 3000;
 /// Gaussian elimination with partial pivoting, n^3 work. Throws Error for more than `lu_max_elements`.
 SolverResult solve_lu(const Balance& balance);
 
-/// The light of at most `reflections` diffuse reflections after the direct irradiance: that many terms of the Neumann
-/// series (R20), whatever they leave out. No iteration, so there is no error of stopping early.
+/// The light of at most `reflections` diffuse reflections after the direct irradiance: that many terms of the
+/// Neumann series (R20), whatever they leave out. No iteration, so there is no error of stopping early.
 SolverResult solve_series(const Balance& balance, int reflections);
 
 }  // namespace twopass
