@@ -73,8 +73,8 @@ TEST(Layout, FilesIncludeOnlyTheirOwnRoomAndThoseToTheLeft) {
 TEST(Layout, EachLibraryHasOneHome) {
   for_each_include([&](const std::string& file, const std::string& where, const std::string& included) {
     for (const auto& [library, home] : homes)
-      if (included.starts_with(library))
-        EXPECT_TRUE(file.starts_with(home)) << where << " includes " << included;
+      EXPECT_TRUE(!included.starts_with(library) || file.starts_with(home))
+          << where << " includes " << included;
   });
 }
 

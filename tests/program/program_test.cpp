@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Run {
+struct Outcome {
   int exit_code;
   std::string out, err;
 };
@@ -30,7 +30,7 @@ class Program : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   // Arguments are given as the shell takes them; `environment` stands before the program.
-  Run run(const std::string& arguments, const std::string& environment = "") const {
+  Outcome run(const std::string& arguments, const std::string& environment = "") const {
     const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
     const std::string command = "cd '" + folder_.string() + "' && env " + environment +
                                 " '" TWOPASS_PROGRAM "' " + arguments + " >'" + out.string() + "' 2>'" +
@@ -49,7 +49,7 @@ class Program : public testing::Test {
 };
 
 TEST_F(Program, HelpAndVersionSucceed) {
-  const Run help = run("--help");
+  const Outcome help = run("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const char* command : {"render", "form-factors", "compare", "info"})
     EXPECT_NE(help.out.find(command), std::string::npos);
@@ -86,7 +86,7 @@ TEST_F(Program, ErrorsAreOneLineOfWhereWhatAndWhatToDoWithExitCodeOne) {
       {"compare missing.exr missing.exr", "missing.exr"},
   };
   for (const auto& c : cases) {
-    const Run result = run(c.arguments + " --quiet");
+    const Outcome result = run(c.arguments + " --quiet");
     EXPECT_EQ(result.exit_code, 1) << c.arguments << "\n" << result.err;
     EXPECT_NE(result.err.find(c.part), std::string::npos) << c.arguments << "\n" << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
@@ -102,7 +102,7 @@ TEST_F(Program, UnreadableOcioEnvironmentIsAnErrorToo) {
 }
 
 TEST_F(Program, RendersAllFormatsWithStatistics) {
-  const Run result = run("render " + box_ + "-o a.exr -o a.png -o a.jpg -o a.tif --spp 4 --stats s.json");
+  const Outcome result = run("render " + box_ + "-o a.exr -o a.png -o a.jpg -o a.tif --spp 4 --stats s.json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   for (const char* name : {"a.exr", "a.png", "a.jpg", "a.tif"}) {
     const Image image = read_picture(folder_ / name);
@@ -141,14 +141,15 @@ TEST_F(Program, CompareMeasuresAndEnforcesLimits) {
        {"energy_ratio", "mse", "relmse", "relmse_trimmed", "smape", "psnr", "flip", "non_finite", "size"})
     EXPECT_TRUE(same.contains(key)) << key;
   EXPECT_EQ(run("compare a.exr b.exr --max relmse=10 --max flip=1").exit_code, 0);
-  const Run exceeded = run("compare a.exr b.exr --max relmse=1e-9");
+  const Outcome exceeded = run("compare a.exr b.exr --max relmse=1e-9");
   EXPECT_EQ(exceeded.exit_code, 1);
   EXPECT_NE(exceeded.err.find("relmse"), std::string::npos);
   EXPECT_EQ(run("compare a.exr b.exr --max beauty=1").exit_code, 1);
 }
 
 TEST_F(Program, InfoTellsWhatIsThereAndWhatIsSkipped) {
-  const Run result = run("info " + std::string("'" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' --json"));
+  const Outcome result =
+      run("info " + std::string("'" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' --json"));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto info = nlohmann::json::parse(result.out);
   EXPECT_GT(info["triangles"], 20);
@@ -164,7 +165,7 @@ TEST_F(Program, FormFactorsOfTheUnitCubeAsJson) {
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
         "g floor\nf 1 2 3 4\ng ceiling\nf 5 8 7 6\ng near\nf 1 5 6 2\ng far\nf 4 3 7 8\ng left\nf 1 4 8 5\ng "
         "right\nf 2 6 7 3\n");
-  const Run result = run("form-factors cube.obj --json --method exact");
+  const Outcome result = run("form-factors cube.obj --json --method exact");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   ASSERT_EQ(json["shapes"].size(), 6u);
@@ -176,7 +177,7 @@ TEST_F(Program, FormFactorsOfTheUnitCubeAsJson) {
 
 TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {
   write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  const Run result = run("render tri.obj -o a.exr --sky 1,1,1 --spp 4 --size 32x32");
+  const Outcome result = run("render tri.obj -o a.exr --sky 1,1,1 --spp 4 --size 32x32");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("camera"), std::string::npos);
   float brightest = 0.0f, lowest_alpha = 1.0f;
