@@ -78,7 +78,7 @@ TEST_F(Program, ErrorsAreOneLineOfWhereWhatAndWhatToDoWithExitCodeOne) {
       {"render " + box_ + "-o nowhere/a.exr", "nowhere"},
       {"render " + box_ + "-o a.exr --integrator magic", "twopass, path, radiosity, direct"},
       {"render " + box_ + "-o a.exr --solver magic", "gauss-seidel"},
-      {"render " + box_ + "-o a.exr --size 0x4", "WIDTHxHEIGHT"},
+      {"render '" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' -o a.exr --size 0x4", "WIDTHxHEIGHT"},
       {"render " + box_ + "-o a.png --ocio config.ocio", "config.ocio"},
       {"render " + box_ + "-o a.png --view Sepia", "Sepia"},
       {"render " + box_ + "-o a.exr --camera 0,0,0,0,0,0,0,1,0", "--camera"},
