@@ -77,7 +77,8 @@ ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caste
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(n, 1, [&](std::size_t begin, std::size_t end) {
     std::uint64_t row_rays = 0;
-    for (auto i = static_cast<std::uint32_t>(begin); i < end && !interrupt_requested(); ++i)
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      throw_if_interrupted();
       for (std::uint32_t j = i; j < n; ++j) {
         const double unoccluded = unoccluded_exchange(patch[i], patch[j], method);
         if (!(unoccluded > 0.0)) continue;
@@ -86,6 +87,7 @@ ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caste
             i == j ? 1.0 : visible_fraction(caster, patch[i], patch[j], key, visibility_pairs, row_rays);
         if (fraction > 0.0) upper[i].push_back({j, static_cast<float>(unoccluded * fraction)});
       }
+    }
     rays_cast += row_rays;
   });
   rays += rays_cast;

@@ -1,5 +1,6 @@
 #include "radiosity/balance.h"
 
+#include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 
 namespace twopass {
@@ -16,6 +17,7 @@ C3d Balance::gather(std::uint32_t i, std::span<const C3d> radiosity) const {
 
 std::vector<C3d> Balance::gather_all(std::span<const C3d> radiosity) const {
   std::vector<C3d> result(count());
+  throw_if_interrupted();
   parallel_for(count(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) result[i] = gather(static_cast<std::uint32_t>(i), radiosity);
   });

@@ -4,6 +4,7 @@
 
 #include "radiosity/specular_path.h"
 #include "render/core/distribution.h"
+#include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/core/warp.h"
 
@@ -93,6 +94,7 @@ std::vector<C3d> caustic_irradiance(const Scene& scene, const ElementMesh& mesh,
   std::vector<std::vector<Deposit>> deposits((paths + piece - 1) / piece);
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(deposits.size(), 1, [&](std::size_t begin, std::size_t end) {
+    throw_if_interrupted();
     std::uint64_t own_rays = 0;
     for (std::size_t p = begin; p < end; ++p)
       for (std::size_t k = p * piece; k < std::min(paths, (p + 1) * piece); ++k)

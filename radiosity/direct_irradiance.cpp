@@ -5,6 +5,7 @@
 #include "radiosity/form_factor_pair.h"
 #include "radiosity/lambert.h"
 #include "radiosity/visibility.h"
+#include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/core/sampler.h"
 #include "render/core/warp.h"
@@ -72,6 +73,7 @@ class AnalyticDirect {
     const auto pairs = static_cast<std::uint32_t>(std::clamp<std::size_t>(64 / emitters_.size(), 4, 16));
     std::atomic<std::uint64_t> rays_cast{0};
     parallel_for(mesh_.count(), 32, [&](std::size_t begin, std::size_t end) {
+      throw_if_interrupted();
       std::uint64_t own_rays = 0;
       for (std::size_t i = begin; i < end; ++i) {
         const Patch patch = mesh_.patch(static_cast<std::uint32_t>(i));
@@ -173,6 +175,7 @@ DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, 
   if (scene.lights().empty()) return direct;
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
+    throw_if_interrupted();
     std::uint64_t own_rays = 0;
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       if (!(mesh.area(i) > 0.0)) continue;

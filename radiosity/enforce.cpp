@@ -1,5 +1,6 @@
 #include "radiosity/enforce.h"
 
+#include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 
 namespace twopass {
@@ -42,6 +43,7 @@ double scale_to_row_sums(ExchangeMatrix& exchange, std::span<const double> fixed
     if (!(target[i] > 0.0)) d[i] = 0.0;  // buried, or it sees nothing but what absorbs
   double worst = 0.0;
   for (int pass = 0;; ++pass) {
+    throw_if_interrupted();
     parallel_for(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) sum[i] = scaled_row_sum(exchange, i, d) + d[i] * fixed[i];
     });

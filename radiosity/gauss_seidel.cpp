@@ -1,5 +1,4 @@
 #include "radiosity/solvers.h"
-#include "render/core/interrupt.h"
 
 namespace twopass {
 
@@ -12,9 +11,7 @@ SolverResult solve_gauss_seidel(const Balance& balance, const StopRule& stop) {
   while (true) {
     result.irradiance = balance.gather_all(result.radiosity);
     result.error = balance_error(balance, q, result.radiosity, result.irradiance);
-    if (result.error.bound <= stop.relative_error || result.iterations >= stop.max_iterations ||
-        interrupt_requested())
-      return result;
+    if (result.error.bound <= stop.relative_error || result.iterations >= stop.max_iterations) return result;
     for (std::uint32_t i = 0; i < n; ++i)
       result.radiosity[i] =
           C3d(balance.reflectance[i]) * (balance.direct[i] + balance.gather(i, result.radiosity));

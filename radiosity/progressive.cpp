@@ -1,5 +1,4 @@
 #include "radiosity/solvers.h"
-#include "render/core/interrupt.h"
 
 namespace twopass {
 
@@ -118,9 +117,7 @@ SolverResult solve_progressive(const Balance& balance, const StopRule& stop) {
     result.radiosity = shooting.radiosity();
     result.irradiance = balance.gather_all(result.radiosity);
     result.error = balance_error(balance, q, result.radiosity, result.irradiance);
-    if (result.error.bound <= stop.relative_error || result.iterations >= stop.max_iterations ||
-        interrupt_requested())
-      break;
+    if (result.error.bound <= stop.relative_error || result.iterations >= stop.max_iterations) break;
     const std::size_t shots = std::min(shots_between_checks, stop.max_iterations - result.iterations);
     for (std::size_t k = 0; k < shots; ++k) shooting.shoot_largest();
     result.iterations += shots;

@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "radiosity/specular_path.h"
+#include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/core/warp.h"
 
@@ -195,6 +196,7 @@ RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uin
   const ElementSurvey element_survey(scene, mesh, seed);
   Tally tally;
   parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
+    throw_if_interrupted();
     std::uint64_t rays = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const auto landings = std::span(survey.landings).subspan(i * rays_per_element, rays_per_element);

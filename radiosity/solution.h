@@ -49,8 +49,7 @@ class Solution {
 
 /// Divides the surfaces into elements and solves for the balance of light between them, in the order: elements,
 /// form factors, enforcement of their sums, direct irradiance, solver. The same bits on any number of threads.
-/// Throws Error when the chosen method cannot handle so many elements. When the user has asked to stop, what
-/// there is comes back early; stats().error_bound tells how good it is.
+/// Throws Error when the chosen method cannot handle so many elements, Interrupted when the user stops it.
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options = {});
 
 }  // namespace twopass

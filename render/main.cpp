@@ -48,6 +48,9 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, on_interrupt);
   try {
     return action();
+  } catch (const twopass::Interrupted&) {
+    std::fprintf(stderr, "interrupted before there was anything to write\n");
+    return twopass::exit_interrupted;
   } catch (const twopass::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
   } catch (const std::bad_alloc&) {

@@ -21,6 +21,9 @@ struct GlobalOptions {
   }
 };
 
+/// The exit code after Ctrl-C, as shells expect it: 128 and the number of the signal.
+inline constexpr int exit_interrupted = 130;
+
 /// Runs the chosen command; the result is the exit code. Throws Error.
 using Action = std::function<int()>;
 

@@ -3,6 +3,7 @@
 
 #include "render/commands/command.h"
 #include "render/commands/scene_options.h"
+#include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/image/atomic_file.h"
 #include "render/image/picture.h"
@@ -14,7 +15,6 @@ namespace twopass {
 namespace {
 
 constexpr double default_noise = 0.03;
-constexpr int exit_interrupted = 130;
 
 struct RenderOptions {
   SceneOptions scene;
@@ -183,10 +183,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.threads = limit.threads();
   s.seed = settings.seed;
 
-  if (s.samples == 0) {  // an older picture is better than an empty one
-    console.note("interrupted before the first sample: nothing is written");
-    return exit_interrupted;
-  }
+  if (s.samples == 0) throw Interrupted{};  // an older picture is better than an empty one
   stopwatch = Stopwatch();
   const Image image = film.resolve();
   for (const std::string& output : options.outputs)

@@ -11,4 +11,11 @@ inline std::atomic<bool>& interrupt_requested() {
   return requested;
 }
 
+/// Thrown by work that has no partial result worth keeping.
+struct Interrupted {};
+
+inline void throw_if_interrupted() {
+  if (interrupt_requested()) throw Interrupted{};
+}
+
 }  // namespace twopass
