@@ -15,8 +15,8 @@ echo "== Two passes: radiosity, then a final gather =="
 "$program" render scenes/cornell-box/scene.xml --integrator twopass --spp 64 \
   -o "$out/cornell-box-twopass.exr" -o "$out/cornell-box-twopass.png" --stats "$out/cornell-box-twopass.json"
 echo
-echo "== Ground truth: path tracing, with four times the samples =="
-"$program" render scenes/cornell-box/scene.xml --integrator path --spp 256 \
+echo "== Ground truth: path tracing, with twice the samples =="
+"$program" render scenes/cornell-box/scene.xml --integrator path --spp 128 \
   -o "$out/cornell-box-path.exr" -o "$out/cornell-box-path.png" --stats "$out/cornell-box-path.json"
 echo
 echo "== With a mirror and glass =="
