@@ -7,8 +7,8 @@ namespace twopass {
 
 namespace {
 
-// Gather rays shorter than this many element sizes see the solution's steps: evaluate instead (brief
-// measurements give 2 to 4; beyond 2 the bias hardly falls and the rays rise).
+// Gather rays shorter than this many element sizes come from so near that one constant irradiance cannot stand
+// for what the vertex sees of the element: evaluate instead.
 constexpr float contact_elements = 2.0f;
 
 }  // namespace

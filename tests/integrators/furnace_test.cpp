@@ -1,5 +1,5 @@
-// radiosity.md G.1: if every surface emits (1 - albedo) L0, the radiance is L0 everywhere, in every direction,
-// for every integrator. Leaks, double counting, wrong weights and wrong sides all show.
+// The constant-radiance furnace: if every surface emits (1 - albedo) L0, the radiance is L0 everywhere, in
+// every direction, for every integrator. Leaks, double counting, wrong weights and wrong sides all show.
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"

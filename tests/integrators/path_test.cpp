@@ -23,7 +23,7 @@ test::Estimate irradiance(const Integrator& integrator, const V3f& position, con
   return estimate;
 }
 
-// radiosity.md G.4: unit cube, ceiling emits 1 W/m2, reflectance .5 everywhere.
+// Converged radiosities of the unit cube, ceiling emits 1 W/m2, reflectance .5 everywhere.
 TEST(PathTracer, UnitCubeIrradiances) {
   const Scene scene(test::unit_room(C3f(0.5f), C3f(1.0f / pi_f), C3f(0.5f)));
   const PathTracer path(scene, {});
@@ -43,7 +43,7 @@ TEST(PathTracer, UnitCubeIrradiances) {
   }
 }
 
-// radiosity.md G.2: lamp of power P at the centre of a sphere of reflectance rho: H = P / (S (1 - rho))
+// An integrating sphere: lamp of power P at the centre of a sphere of reflectance rho: H = P / (S (1 - rho))
 // everywhere.
 TEST(PathTracer, LampInASphere) {
   SceneDescription description;
@@ -57,7 +57,7 @@ TEST(PathTracer, LampInASphere) {
   EXPECT_NEAR(e.mean(), 0.6 / pi * power / (surface * 0.4), 4.4 * e.standard_error());
 }
 
-// Lambert's formula (radiosity.md A.7) times the Fresnel-free mirror: light of a square seen in an ideal
+// An ideal mirror returns all of what it sees: light of a square seen in an ideal
 // mirror.
 TEST(PathTracer, MirrorShowsTheLampInFull) {
   SceneDescription description;

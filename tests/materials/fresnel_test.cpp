@@ -7,7 +7,7 @@ namespace {
 
 TEST(Fresnel, NormalIncidenceOnGlass) {
   float cos_t;
-  // radiosity.md G.6, CIE 5.5: n = 1.52 reflects 0.04258.
+  // CIE 171:2006, case 5.5: n = 1.52 reflects 0.04258.
   EXPECT_NEAR(fresnel_dielectric(1.0f, 1.52f, cos_t), 0.0425800f, 1e-6f);
   EXPECT_FLOAT_EQ(cos_t, 1.0f);
 }

@@ -22,7 +22,7 @@ test::Estimate irradiance(const Lights& lights, const V3f& p, const V3f& n, int 
   return e;
 }
 
-// Lambert's formula, radiosity.md A.7: a unit square at distance 1 above its centre fills 0.23945647046077354
+// Lambert's formula: a unit square at distance 1 above its centre fills 0.23945647046077354
 // of the cosine-weighted hemisphere.
 TEST(Lights, QuadGivesLambertsIrradiance) {
   SceneDescription scene;
@@ -39,7 +39,7 @@ TEST(Lights, BackOfAOneSidedLampIsDark) {
   EXPECT_EQ(irradiance(Lights(scene.shapes), V3f(0, 0, 2), V3f(0, 0, -1), 100).mean(), 0.0);
 }
 
-// radiosity.md A.7: a sphere of radius 1 at distance 2 fills 0.25; no noise but the cosine's, thanks to the
+// A sphere of radius 1 at distance 2 fills 0.25; no noise but the cosine's, thanks to the
 // cone.
 TEST(Lights, SphereGivesItsExactIrradiance) {
   SceneDescription scene;

@@ -43,7 +43,7 @@ inline SceneDescription unit_room(const C3f& reflectance, const C3f& ceiling_rad
   return scene;
 }
 
-/// The furnace of radiosity.md G.1: every surface emits (1 - albedo) L0, so radiance is L0 everywhere.
+/// The constant-radiance furnace: every surface emits (1 - albedo) L0, so radiance is L0 everywhere.
 inline SceneDescription furnace_room(const C3f& reflectance, float l0) {
   SceneDescription scene = unit_room(reflectance, C3f(0.0f), reflectance);
   for (Shape& shape : scene.shapes) shape.radiance[front] = (C3f(1.0f) - reflectance) * l0;
