@@ -71,6 +71,11 @@ ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caste
                 std::to_string(n) + " elements are more than the " + std::to_string(analytic_max_elements) +
                     " whose pairs can all be visited",
                 "use --form-factors rays, or fewer elements (--elements)");
+  for (std::uint32_t i = 0; i < n; ++i)
+    if (mesh.is_cluster(i))
+      throw Error("form factors",
+                  "the scene has more triangles than elements, and analytic factors are between triangles",
+                  "use --form-factors rays, or more elements (--elements)");
   std::vector<Patch> patch(n);
   for (std::uint32_t i = 0; i < n; ++i) patch[i] = mesh.patch(i);
   std::vector<std::vector<Entry>> upper(n);

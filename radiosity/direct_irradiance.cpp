@@ -76,14 +76,11 @@ class AnalyticDirect {
       throw_if_interrupted();
       std::uint64_t own_rays = 0;
       for (std::size_t i = begin; i < end; ++i) {
-        const Patch patch = mesh_.patch(static_cast<std::uint32_t>(i));
         for (std::size_t e = 0; e < emitters_.size(); ++e) {
           const std::uint32_t key =
               hash_words(hash_words(seed, static_cast<std::uint32_t>(i)), ~std::uint32_t(e));
-          const double unoccluded = unoccluded_exchange_with(patch, emitters_[e], method, key);
-          if (unoccluded > 0.0)
-            exchange(i, e) =
-                unoccluded * visible_fraction(scene_.caster(), patch, emitters_[e].patch, key, pairs, own_rays);
+          exchange(i, e) =
+              exchange_of(static_cast<std::uint32_t>(i), emitters_[e], method, key, pairs, own_rays);
         }
       }
       rays_cast += own_rays;
@@ -119,6 +116,22 @@ class AnalyticDirect {
  private:
   double& exchange(std::size_t i, std::size_t e) { return exchange_[i * emitters_.size() + e]; }
 
+  // Of all patches of the element, in which the shadow rays share.
+  [[nodiscard]] double exchange_of(std::uint32_t element, const Emitter& emitter, FormFactorMethod method,
+                                   std::uint32_t key, std::uint32_t pairs, std::uint64_t& rays) const {
+    const std::size_t patches = mesh_.patch_count(element);
+    const std::uint32_t share = std::max<std::uint32_t>(1, pairs / static_cast<std::uint32_t>(patches));
+    double sum = 0.0;
+    for (std::size_t k = 0; k < patches; ++k) {
+      const Patch patch = mesh_.patch(element, k);
+      const double unoccluded = unoccluded_exchange_with(patch, emitter, method, key);
+      if (unoccluded > 0.0)
+        sum += unoccluded * visible_fraction(scene_.caster(), patch, emitter.patch,
+                                             key + static_cast<std::uint32_t>(k), share, rays);
+    }
+    return sum;
+  }
+
   const Scene& scene_;
   const ElementMesh& mesh_;
   std::vector<Emitter> emitters_;
@@ -127,13 +140,14 @@ class AnalyticDirect {
 
 // Half of the samples on the lights, half of the directions cosine-distributed, combined by the balance
 // heuristic (Veach 1997, section 9.2.2): neither small nor huge nor touching lights are a problem.
-C3d sampled_irradiance(const Scene& scene, const Patch& patch, std::uint32_t seed, std::uint32_t element,
+C3d sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed, std::uint32_t element,
                        std::uint64_t& rays) {
   constexpr std::uint32_t samples = 64;
+  const ElementSampler sample(mesh, element);
   C3d sum(0.0);
   for (std::uint32_t k = 0; k < samples; ++k) {
     Sampler sampler(seed, element, k);
-    const ElementPoint point = patch.sample(sampler.next_2d());
+    const ElementPoint point = sample(sampler.next_2d());
     const V3f start = point.ray_position(), normal(point.normal);
 
     const LightSample light = scene.lights().sample(start, sampler.next_2d());
@@ -179,9 +193,9 @@ DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, 
     std::uint64_t own_rays = 0;
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       if (!(mesh.area(i) > 0.0)) continue;
-      const Patch patch = mesh.patch(i);
       // Buried points receive nothing: the exposed ones have it all.
-      direct.irradiance[i] = sampled_irradiance(scene, patch, seed, i, own_rays) * (patch.area / mesh.area(i));
+      direct.irradiance[i] =
+          sampled_irradiance(scene, mesh, seed, i, own_rays) * (mesh.whole_area(i) / mesh.area(i));
     }
     rays_cast += own_rays;
   });

@@ -1,21 +1,54 @@
 #include "radiosity/elements.h"
 
+#include <numeric>
+
+#include "render/scene/geometry.h"
+
 namespace twopass {
 
 namespace {
 
+// Of an entry in cells_: what it points at are four more cells.
+constexpr std::uint32_t refined = 0x80000000u;
+// A packed cell keeps 13 bits each for column, row, 1 for the orientation and 5 for the level.
+constexpr std::uint32_t most_divisions = 1u << 13;
+
 // Sums of two terms commute, so the point of an edge is the same bit for bit from both triangles that share it.
-// The division is exact at the corners.
-V3d flat_grid_point(const std::array<V3d, 3>& corner, const V2i& cell_corner, int divisions) {
-  const double w0 = divisions - cell_corner.x - cell_corner.y, w1 = cell_corner.x, w2 = cell_corner.y;
+// The division is exact at the corners, and common powers of two do not matter.
+V3d flat_grid_point(const std::array<V3d, 3>& corner, const V2i& numerators, std::uint32_t divisions) {
+  const double w1 = numerators.x, w2 = numerators.y, w0 = static_cast<double>(divisions) - w1 - w2;
   return (corner[0] * w0 + corner[1] * w1 + corner[2] * w2) / static_cast<double>(divisions);
 }
 
-std::size_t cell_count(const ElementRoot& root) { return std::size_t{root.divisions} * root.divisions; }
+std::uint32_t cell_count(const ElementRoot& root) { return std::uint32_t{root.divisions} * root.divisions; }
 
 // Cells are numbered row by row; a row holds 2 (divisions - row) - 1 of them.
 std::uint32_t cell_index(std::uint32_t column, std::uint32_t row, bool inverted, std::uint32_t divisions) {
   return row * (2 * divisions - row) + 2 * column + (inverted ? 1 : 0);
+}
+
+std::uint32_t pack(const ElementCell& cell, std::uint32_t level) {
+  return cell.column | cell.row << 13 | (cell.inverted ? 1u : 0u) << 26 | level << 27;
+}
+std::uint32_t level_of(std::uint32_t packed) { return packed >> 27; }
+ElementCell unpack(std::uint32_t packed, std::uint32_t root_divisions) {
+  return {packed & 0x1fffu, packed >> 13 & 0x1fffu, (packed >> 26 & 1u) != 0,
+          root_divisions << level_of(packed)};
+}
+
+struct Parent {
+  ElementCell cell;
+  int child;  // which of its quarters
+};
+
+// The inverse of child_cell.
+Parent parent_of(const ElementCell& cell) {
+  const bool odd_column = cell.column % 2 == 1, odd_row = cell.row % 2 == 1;
+  const bool middle = cell.inverted ? !odd_column && !odd_row : odd_column && odd_row;
+  const ElementCell parent{cell.column / 2, cell.row / 2, cell.inverted != middle, cell.divisions / 2};
+  if (middle) return {parent, 3};
+  if (!cell.inverted) return {parent, odd_column ? 1 : odd_row ? 2 : 0};
+  return {parent, odd_column && odd_row ? 0 : odd_row ? 1 : 2};
 }
 
 }  // namespace
@@ -26,44 +59,175 @@ std::array<V2i, 3> cell_corners(const ElementCell& cell) {
   return {p, p + V2i(1, 0), p + V2i(0, 1)};
 }
 
+ElementCell child_cell(const ElementCell& cell, int child) {
+  const std::uint32_t c = 2 * cell.column, r = 2 * cell.row, divisions = 2 * cell.divisions;
+  if (cell.inverted) {
+    if (child == 3) return {c + 1, r + 1, false, divisions};
+    return {child == 1 ? c : c + 1, child == 2 ? r : r + 1, true, divisions};
+  }
+  if (child == 3) return {c, r, true, divisions};
+  return {child == 1 ? c + 1 : c, child == 2 ? r + 1 : r, false, divisions};
+}
+
 ElementMesh::ElementMesh(std::span<const Shape> shapes, std::span<const Material> materials,
-                         std::vector<ElementRoot> roots)
+                         std::vector<ElementRoot> roots, std::span<const std::uint32_t> cluster_of_root)
     : shapes_(shapes),
       first_root_(shapes.size(), {no_index, no_index}),
+      reflectance_(shapes.size()),
       is_sphere_(shapes.size(), 0),
       sphere_center_(shapes.size(), V3f(0.0f)),
       roots_(std::move(roots)) {
-  for (std::size_t s = 0; s < shapes.size(); ++s)
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    for (const Side side : {front, back})
+      reflectance_[s][side] = diffuse_reflectance(materials[shapes[s].material].side[side]);
     if (const auto* sphere = std::get_if<Sphere>(&shapes[s].geometry)) {
       is_sphere_[s] = 1;
       sphere_center_[s] = sphere->center;
     }
-  std::size_t total = 0;
-  for (const ElementRoot& root : roots_) total += cell_count(root);
-  root_of_.reserve(total);
-  reflectance_.reserve(total);
-  for (std::uint32_t r = 0; r < roots_.size(); ++r) {
-    ElementRoot& root = roots_[r];
-    std::uint32_t& base = first_root_[root.shape][root.side];
-    if (base == no_index) base = r;
-    root.first_element = static_cast<std::uint32_t>(root_of_.size());
-    root_of_.insert(root_of_.end(), cell_count(root), r);
-    const Bsdf& bsdf = materials[shapes_[root.shape].material].side[root.side];
-    reflectance_.insert(reflectance_.end(), cell_count(root), diffuse_reflectance(bsdf));
   }
-  area_.resize(root_of_.size());
-  for (std::uint32_t element = 0; element < area_.size(); ++element) area_[element] = patch(element).area;
+  for (std::uint32_t r = 0; r < roots_.size(); ++r) {
+    std::uint32_t& base = first_root_[roots_[r].shape][roots_[r].side];
+    if (base == no_index) base = r;
+  }
+  number_elements(cluster_of_root);
+  measure();
 }
 
-ElementMesh::Location ElementMesh::locate(const SurfacePoint& point) const {
-  const std::uint32_t base = first_root_[point.shape][point.side];
-  if (base == no_index) return {no_index, 0.0f, 0.0f};
-  if (is_sphere_[point.shape]) return find_on_sphere(base, point.position);
-  return find_in_root(base + point.primitive, point.u, point.v);
+// Cells first, in the order of their roots; then the clusters.
+void ElementMesh::number_elements(std::span<const std::uint32_t> cluster_of_root) {
+  std::size_t cells = 0;
+  for (const ElementRoot& root : roots_) cells += cell_count(root);
+  place_.reserve(cells);
+  for (std::uint32_t r = 0; r < roots_.size(); ++r) {
+    ElementRoot& root = roots_[r];
+    root.first_cell = no_index;
+    root.first_element = static_cast<std::uint32_t>(place_.size());
+    for (std::uint32_t row = 0; row < root.divisions; ++row)
+      for (std::uint32_t column = 0; column + row < root.divisions; ++column) {
+        place_.push_back({r, pack({column, row, false, root.divisions}, 0)});
+        if (column + row + 1 < root.divisions)
+          place_.push_back({r, pack({column, row, true, root.divisions}, 0)});
+      }
+  }
+  add_clusters(cluster_of_root);
+}
+
+void ElementMesh::add_clusters(std::span<const std::uint32_t> cluster_of_root) {
+  std::uint32_t clusters = 0, members = 0;
+  const auto is_member = [&](std::size_t r) { return roots_[r].divisions == 0; };
+  for (std::size_t r = 0; r < cluster_of_root.size(); ++r)
+    if (is_member(r)) {
+      clusters = std::max(clusters, cluster_of_root[r] + 1);
+      ++members;
+    }
+  if (clusters == 0) return;
+  first_member_.assign(clusters + 1, 0);
+  for (std::size_t r = 0; r < roots_.size(); ++r)
+    if (is_member(r)) ++first_member_[cluster_of_root[r] + 1];
+  std::partial_sum(first_member_.begin(), first_member_.end(), first_member_.begin());
+  member_.resize(members);
+  member_share_.resize(members);
+  std::vector<std::uint32_t> next(first_member_.begin(), first_member_.end() - 1);
+  const auto first_element = static_cast<std::uint32_t>(place_.size());
+  for (std::uint32_t r = 0; r < roots_.size(); ++r) {
+    if (!is_member(r)) continue;
+    roots_[r].first_element = first_element + cluster_of_root[r];
+    member_[next[cluster_of_root[r]]++] = r;
+  }
+  for (std::uint32_t c = 0; c < clusters; ++c) place_.push_back({member_[first_member_[c]], c});
+}
+
+void ElementMesh::measure() {
+  area_.resize(place_.size());
+  for (std::uint32_t element = 0; element < area_.size(); ++element) {
+    double sum = 0.0;
+    if (is_cluster(element)) {
+      const std::uint32_t first = first_member_[place_[element].cell],
+                          last = first_member_[place_[element].cell + 1];
+      for (std::uint32_t k = first; k < last; ++k) {
+        sum += root_patch(roots_[member_[k]]).area;
+        member_share_[k] = static_cast<float>(sum);
+      }
+      for (std::uint32_t k = first; k < last && sum > 0.0; ++k)
+        member_share_[k] = static_cast<float>(static_cast<double>(member_share_[k]) / sum);
+    } else {
+      sum = patch(element).area;
+    }
+    area_[element] = static_cast<float>(sum);
+  }
+}
+
+ElementMesh ElementMesh::split(const std::vector<bool>& chosen) const {
+  ElementMesh result(*this);
+  result.place_.clear();
+  std::vector<Place> clusters;
+  for (std::uint32_t r = 0; r < roots_.size(); ++r) result.roots_[r].first_element = no_index;
+  for (std::uint32_t element = 0; element < count(); ++element) {
+    const Place& place = place_[element];
+    ElementRoot& root = result.roots_[place.root];
+    if (root.divisions == 0) {
+      clusters.push_back(place);
+      continue;
+    }
+    if (root.first_element == no_index) root.first_element = static_cast<std::uint32_t>(result.place_.size());
+    const ElementCell whole = cell(element);
+    const std::uint32_t level = level_of(place.cell) + 1;
+    if (!chosen[element] || 2 * whole.divisions > most_divisions) {
+      result.place_.push_back(place);
+      continue;
+    }
+    for (int child = 0; child < 4; ++child)
+      result.place_.push_back({place.root, pack(child_cell(whole, child), level)});
+  }
+  const auto first_cluster = static_cast<std::uint32_t>(result.place_.size());
+  for (std::size_t k = 0; k < member_.size(); ++k) {
+    ElementRoot& root = result.roots_[member_[k]];
+    root.first_element = first_cluster + place_[roots_[member_[k]].first_element].cell;
+  }
+  result.place_.insert(result.place_.end(), clusters.begin(), clusters.end());
+  result.index_cells();
+  result.measure();
+  return result;
+}
+
+// Builds the quad-trees of the roots whose elements are not just the cells of its grid.
+void ElementMesh::index_cells() {
+  cells_.clear();
+  for (std::uint32_t element = 0; element < count(); ++element) {
+    ElementRoot& root = roots_[place_[element].root];
+    if (root.divisions == 0) continue;
+    if (element == root.first_element) {
+      std::uint32_t last = element;
+      while (last < count() && place_[last].root == place_[element].root) ++last;
+      const bool is_grid = last - element == cell_count(root);
+      root.first_cell = is_grid ? no_index : static_cast<std::uint32_t>(cells_.size());
+      if (!is_grid) cells_.resize(cells_.size() + cell_count(root), 0);
+    }
+    if (root.first_cell == no_index) continue;
+    // The way down from the grid to the element, from its end.
+    std::array<std::uint32_t, 32> child{};
+    ElementCell top = cell(element);
+    const std::uint32_t level = level_of(place_[element].cell);
+    for (std::uint32_t l = level; l > 0; --l) {
+      const Parent parent = parent_of(top);
+      child[l] = static_cast<std::uint32_t>(parent.child);
+      top = parent.cell;
+    }
+    std::size_t node = root.first_cell + cell_index(top.column, top.row, top.inverted, top.divisions);
+    for (std::uint32_t l = 1; l <= level; ++l) {
+      if (!(cells_[node] & refined)) {
+        cells_[node] = static_cast<std::uint32_t>(cells_.size()) | refined;
+        cells_.resize(cells_.size() + 4, 0);
+      }
+      node = (cells_[node] & ~refined) + child[l];
+    }
+    cells_[node] = element;
+  }
 }
 
 ElementMesh::Location ElementMesh::find_in_root(std::uint32_t root_index, float u, float v) const {
   const ElementRoot& root = roots_[root_index];
+  if (root.divisions == 0) return {root.first_element, root_index, u, v};
   const auto divisions = static_cast<std::int32_t>(root.divisions);
   const float x = std::clamp(u, 0.0f, 1.0f) * static_cast<float>(divisions);
   const float y = std::clamp(v, 0.0f, 1.0f) * static_cast<float>(divisions);
@@ -74,7 +238,20 @@ ElementMesh::Location ElementMesh::find_in_root(std::uint32_t root_index, float 
   const bool inverted = fx + fy > 1.0f && column + row < divisions - 1;
   const std::uint32_t cell = cell_index(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row),
                                         inverted, static_cast<std::uint32_t>(divisions));
-  return {root.first_element + cell, inverted ? 1.0f - fx : fx, inverted ? 1.0f - fy : fy};
+  Location location{root.first_element + cell, root_index, inverted ? 1.0f - fx : fx,
+                    inverted ? 1.0f - fy : fy};
+  if (root.first_cell == no_index) return location;
+  std::uint32_t node = cells_[root.first_cell + cell];
+  while (node & refined) {
+    const float a = location.u, b = location.v;
+    std::uint32_t child = 0;
+    if (a + b > 0.5f) child = a >= 0.5f ? 1 : b >= 0.5f ? 2 : 3;
+    location.u = child == 1 ? 2.0f * a - 1.0f : child == 3 ? 1.0f - 2.0f * a : 2.0f * a;
+    location.v = child == 2 ? 2.0f * b - 1.0f : child == 3 ? 1.0f - 2.0f * b : 2.0f * b;
+    node = cells_[(node & ~refined) + child];
+  }
+  location.element = node;
+  return location;
 }
 
 ElementMesh::Location ElementMesh::find_on_sphere(std::uint32_t base, const V3f& position) const {
@@ -88,55 +265,81 @@ ElementMesh::Location ElementMesh::find_on_sphere(std::uint32_t base, const V3f&
   return find_in_root(base + octant, u, v);
 }
 
-ElementCell ElementMesh::cell(std::uint32_t element) const {
-  const ElementRoot& r = root(element);
-  const std::uint32_t index = element - r.first_element, divisions = r.divisions;
-  // The cells of this row and those after it are the largest square that holds them.
-  std::uint32_t row =
-      divisions - static_cast<std::uint32_t>(std::ceil(std::sqrt(double(divisions) * divisions - index)));
-  while (row > 0 && cell_index(0, row, false, divisions) > index) --row;
-  while (row + 1 < divisions && cell_index(0, row + 1, false, divisions) <= index) ++row;
-  const std::uint32_t in_row = index - cell_index(0, row, false, divisions);
-  return {in_row / 2, row, in_row % 2 == 1};
+std::span<const std::uint32_t> ElementMesh::members(std::uint32_t cluster_element) const {
+  const std::uint32_t cluster = place_[cluster_element].cell;
+  return {member_.data() + first_member_[cluster], member_.data() + first_member_[cluster + 1]};
 }
 
-V3d ElementMesh::grid_point(const ElementRoot& root, const V2i& numerators) const {
+ElementCell ElementMesh::cell(std::uint32_t element) const {
+  return unpack(place_[element].cell, root(element).divisions);
+}
+
+V3d ElementMesh::grid_point(const ElementRoot& root, const V2i& numerators, std::uint32_t divisions) const {
   const Shape& shape = shapes_[root.shape];
   if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    const V3d flat = flat_grid_point(octant_corners(root.primitive), numerators, root.divisions);
+    const V3d flat = flat_grid_point(octant_corners(root.primitive), numerators, divisions);
     return V3d(sphere->center) + flat.normalized() * static_cast<double>(sphere->radius);
   }
-  const Patch whole = triangle_patch(std::get<Mesh>(shape.geometry), root.primitive, front);
-  return flat_grid_point(whole.corner, numerators, root.divisions);
+  const std::array<V3f, 3> p = corners(std::get<Mesh>(shape.geometry), root.primitive);
+  return flat_grid_point({V3d(p[0]), V3d(p[1]), V3d(p[2])}, numerators, divisions);
 }
 
-Patch ElementMesh::patch(std::uint32_t element) const {
-  const ElementRoot& r = root(element);
-  const std::array<V2i, 3> grid = cell_corners(cell(element));
-  const Shape& shape = shapes_[r.shape];
+Patch ElementMesh::root_patch(const ElementRoot& root) const {
+  const Shape& shape = shapes_[root.shape];
+  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
+    return spherical_patch(*sphere, octant_corners(root.primitive), root.side);
+  return triangle_patch(std::get<Mesh>(shape.geometry), root.primitive, root.side);
+}
+
+Patch ElementMesh::cell_patch(const ElementRoot& root, const ElementCell& cell) const {
+  const std::array<V2i, 3> grid = cell_corners(cell);
+  const Shape& shape = shapes_[root.shape];
   if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    const std::array<V3d, 3> octant = octant_corners(r.primitive);
+    const std::array<V3d, 3> octant = octant_corners(root.primitive);
     std::array<V3d, 3> direction;
-    for (int k = 0; k < 3; ++k) direction[k] = flat_grid_point(octant, grid[k], r.divisions).normalized();
-    return spherical_patch(*sphere, direction, r.side);
+    for (int k = 0; k < 3; ++k) direction[k] = flat_grid_point(octant, grid[k], cell.divisions).normalized();
+    return spherical_patch(*sphere, direction, root.side);
   }
   Patch patch;
-  const Patch whole = triangle_patch(std::get<Mesh>(shape.geometry), r.primitive, front);
+  const Patch whole = triangle_patch(std::get<Mesh>(shape.geometry), root.primitive, front);
   patch.offset = whole.offset;
-  patch.area = whole.area / (double(r.divisions) * r.divisions);
-  patch.normal = r.side == front ? whole.normal : -whole.normal;
-  for (int k = 0; k < 3; ++k) patch.corner[k] = flat_grid_point(whole.corner, grid[k], r.divisions);
-  if (r.side == back) std::swap(patch.corner[1], patch.corner[2]);
+  patch.area = whole.area / (double(cell.divisions) * cell.divisions);
+  patch.normal = root.side == front ? whole.normal : -whole.normal;
+  for (int k = 0; k < 3; ++k) patch.corner[k] = flat_grid_point(whole.corner, grid[k], cell.divisions);
+  if (root.side == back) std::swap(patch.corner[1], patch.corner[2]);
   return patch;
 }
 
+Patch ElementMesh::patch(std::uint32_t element, std::size_t k) const {
+  return is_cluster(element) ? root_patch(roots_[members(element)[k]])
+                             : cell_patch(root(element), cell(element));
+}
+
+double ElementMesh::whole_area(std::uint32_t element) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < patch_count(element); ++k) sum += patch(element, k).area;
+  return sum;
+}
+
+ElementPoint ElementMesh::sample(std::uint32_t element, const V2f& u) const {
+  if (!is_cluster(element)) return patch(element).sample(u);
+  const std::uint32_t cluster = place_[element].cell;
+  const auto first = member_share_.begin() + first_member_[cluster];
+  const auto last = member_share_.begin() + first_member_[cluster + 1];
+  const auto member = std::min(std::upper_bound(first, last, u.x), last - 1);
+  const float before = member == first ? 0.0f : *(member - 1), share = *member - before;
+  const float remapped = share > 0.0f ? std::min((u.x - before) / share, 0x1.fffffep-1f) : 0.5f;
+  return patch(element, static_cast<std::size_t>(member - first)).sample({remapped, u.y});
+}
+
 void ElementMesh::expose(std::span<const double> fraction) {
-  for (std::size_t i = 0; i < area_.size(); ++i) area_[i] *= fraction[i];
+  for (std::size_t i = 0; i < area_.size(); ++i) area_[i] *= static_cast<float>(fraction[i]);
 }
 
 std::size_t ElementMesh::memory_bytes() const {
-  return roots_.size() * sizeof(ElementRoot) + first_root_.size() * sizeof(first_root_[0]) +
-         count() * (sizeof(std::uint32_t) + sizeof(double) + sizeof(C3f));
+  return roots_.size() * sizeof(ElementRoot) + count() * (sizeof(Place) + sizeof(float)) +
+         shapes_.size() * (sizeof(first_root_[0]) + sizeof(reflectance_[0])) +
+         (cells_.size() + first_member_.size() + member_.size() + member_share_.size()) * sizeof(std::uint32_t);
 }
 
 }  // namespace twopass

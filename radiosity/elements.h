@@ -11,55 +11,69 @@
 
 namespace twopass {
 
-/// The side of a triangle, or of an octant of a sphere, cut into divisions^2 elements by lines parallel to its
-/// edges. (On a sphere: of the flat triangle below the octant, projected from the centre, so that edges are
-/// great circles.)
+/// The side of a triangle, or of an octant of a sphere. Either it is cut into divisions^2 cells by lines
+/// parallel to its edges, each cell perhaps again into four, and so on (on a sphere: the flat triangle below
+/// the octant, projected from the centre, so that edges are great circles); or it is smaller than an element
+/// and part of a cluster.
 struct ElementRoot {
   std::uint32_t shape;
-  std::uint32_t primitive;      ///< triangle of the mesh; octant of the sphere
-  std::uint32_t first_element;  ///< its elements follow each other
-  std::uint16_t divisions;      ///< of each edge; >= 1
+  std::uint32_t primitive;  ///< triangle of the mesh; octant of the sphere
+  std::uint32_t
+      first_element;         ///< its elements follow each other; of a part of a cluster: the cluster's element
+  std::uint32_t first_cell;  ///< where its quad-trees start; no_index: every cell is an element
+  std::uint16_t divisions;   ///< of each edge; 0: part of a cluster
   Side side;
 };
 
-/// Which piece of its root an element is: the small triangle at (column, row) of the grid along corners 1 and
-/// 2, or the one upside down beside it.
+/// A piece of a root: the small triangle at (column, row) of the grid along corners 1 and 2, or the one upside
+/// down beside it.
 struct ElementCell {
   std::uint32_t column, row;
   bool inverted;
+  std::uint32_t divisions;  ///< of the root's edges in this cell's grid: the root's own times a power of two
 };
 
-/// The corners of a cell on the root's grid: numerators of the barycentric coordinates of corners 1 and 2 over
+/// The corners of a cell on its grid: numerators of the barycentric coordinates of corners 1 and 2 over
 /// `divisions`, counter-clockwise seen from the root's front.
 std::array<V2i, 3> cell_corners(const ElementCell& cell);
+/// A quarter of a cell: beside corner 0, 1, 2, or the one in the middle, 3, whose corner k lies between the
+/// other two corners.
+ElementCell child_cell(const ElementCell& cell, int child);
 
-/// All elements of a scene, and the way from a point of a surface to its element. REQUIRES: the shapes outlive
-/// it.
+/// All elements of a scene. REQUIRES: shapes and materials outlive it.
 class ElementMesh {
  public:
   ElementMesh() = default;
-  /// Numbers the elements of the roots and measures them; `first_element` of the given roots is not read.
-  /// REQUIRES: roots in the order of shape, side, primitive; for a side of a shape, all its primitives or none.
+  /// Numbers the elements of the roots and measures them; `first_element` and `first_cell` of the given roots
+  /// are not read, and a root of no divisions belongs to the cluster of its place in `cluster_of_root`.
+  /// REQUIRES: roots in the order of shape, side, primitive; for a side of a shape, all its primitives or none;
+  /// `cluster_of_root` empty or one entry a root, clusters numbered without gaps, of one material and side
+  /// each.
   ElementMesh(std::span<const Shape> shapes, std::span<const Material> materials,
-              std::vector<ElementRoot> roots);
+              std::vector<ElementRoot> roots, std::span<const std::uint32_t> cluster_of_root = {});
 
-  [[nodiscard]] std::size_t count() const { return area_.size(); }
+  /// The same with the chosen elements cut into four, or as far as that is possible: cells of the finest grid
+  /// and clusters stay as they are. REQUIRES: one flag an element. The new elements are wholly exposed.
+  [[nodiscard]] ElementMesh split(const std::vector<bool>& chosen) const;
+
+  [[nodiscard]] std::size_t count() const { return place_.size(); }
 
   /// The element of a point on the viewer's side, or no_index.
-  [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const {
-    const std::uint32_t base = first_root_[point.shape][point.side];
-    if (base == no_index) return no_index;
-    if (is_sphere_[point.shape]) return find_on_sphere(base, point.position).element;
-    return find_in_root(base + point.primitive, point.u, point.v).element;
-  }
+  [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const { return locate(point).element; }
   /// An element, and where in it: barycentric coordinates of its corners 1 and 2 in the order of
-  /// `cell_corners`.
+  /// `cell_corners`; in a cluster, those of the triangle that was hit.
   struct Location {
     std::uint32_t element;
+    std::uint32_t root;  ///< index into roots() of the triangle that was hit
     float u, v;
   };
   /// As `find`, and where in the element.
-  [[nodiscard]] Location locate(const SurfacePoint& point) const;
+  [[nodiscard]] Location locate(const SurfacePoint& point) const {
+    const std::uint32_t base = first_root_[point.shape][point.side];
+    if (base == no_index) return {no_index, no_index, 0.0f, 0.0f};
+    if (is_sphere_[point.shape]) return find_on_sphere(base, point.position);
+    return find_in_root(base + point.primitive, point.u, point.v);
+  }
   [[nodiscard]] bool is_sphere(std::uint32_t shape) const { return is_sphere_[shape] != 0; }
   /// True if that side of the shape has elements.
   [[nodiscard]] bool has_elements(std::uint32_t shape, Side side) const {
@@ -72,34 +86,85 @@ class ElementMesh {
   /// Area of the exposed part of the true surface (on a sphere of the spherical triangle).
   [[nodiscard]] double area(std::uint32_t element) const { return area_[element]; }
   /// sqrt(area).
-  [[nodiscard]] float size(std::uint32_t element) const {
-    return std::sqrt(static_cast<float>(area_[element]));
-  }
+  [[nodiscard]] float size(std::uint32_t element) const { return std::sqrt(area_[element]); }
   /// Albedo of the diffuse part, in [0, 1].
-  [[nodiscard]] const C3f& reflectance(std::uint32_t element) const { return reflectance_[element]; }
-  [[nodiscard]] Patch patch(std::uint32_t element) const;
+  [[nodiscard]] const C3f& reflectance(std::uint32_t element) const {
+    const ElementRoot& r = root(element);
+    return reflectance_[r.shape][r.side];
+  }
+
+  /// Whether the element is a set of small triangles rather than one piece.
+  [[nodiscard]] bool is_cluster(std::uint32_t element) const { return root(element).divisions == 0; }
+  /// How many patches the element has; 1 unless it is a cluster.
+  [[nodiscard]] std::size_t patch_count(std::uint32_t element) const {
+    return is_cluster(element) ? members(element).size() : 1;
+  }
+  /// The whole element, or the k-th triangle of a cluster. REQUIRES: k < patch_count(element).
+  [[nodiscard]] Patch patch(std::uint32_t element, std::size_t k = 0) const;
+  /// Area of the true surface, buried parts included.
+  [[nodiscard]] double whole_area(std::uint32_t element) const;
+  /// A point uniform in area for u uniform in the unit square.
+  [[nodiscard]] ElementPoint sample(std::uint32_t element, const V2f& u) const;
+
   /// The point of a root's grid, with numerators as `cell_corners` gives them. Neighbouring triangles with
-  /// equal vertices get equal points on their common edge, bit for bit.
-  [[nodiscard]] V3d grid_point(const ElementRoot& root, const V2i& numerators) const;
+  /// equal vertices get equal points on their common edge, bit for bit, whatever their grids.
+  [[nodiscard]] V3d grid_point(const ElementRoot& root, const V2i& numerators, std::uint32_t divisions) const;
 
   [[nodiscard]] std::span<const ElementRoot> roots() const { return roots_; }
-  [[nodiscard]] const ElementRoot& root(std::uint32_t element) const { return roots_[root_of_[element]]; }
+  /// Of a cluster: its first.
+  [[nodiscard]] const ElementRoot& root(std::uint32_t element) const { return roots_[place_[element].root]; }
+  /// The roots of a cluster, by index into roots().
+  [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t cluster_element) const;
+  /// REQUIRES: !is_cluster(element).
   [[nodiscard]] ElementCell cell(std::uint32_t element) const;
   [[nodiscard]] std::span<const Shape> shapes() const { return shapes_; }
+  /// Of the elements: what an element takes beyond the scene, 12 bytes, and 20 for each triangle side.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  [[nodiscard]] Location find_in_root(std::uint32_t root, float u, float v) const;
+  // Where an element is: its root, and the cell on it, or the number of the cluster.
+  struct Place {
+    std::uint32_t root;
+    std::uint32_t cell;  // packed; or the index of the cluster
+  };
+  void number_elements(std::span<const std::uint32_t> cluster_of_root);
+  void add_clusters(std::span<const std::uint32_t> cluster_of_root);
+  void index_cells();
+  void measure();
+  [[nodiscard]] Location find_in_root(std::uint32_t root_index, float u, float v) const;
   [[nodiscard]] Location find_on_sphere(std::uint32_t base, const V3f& position) const;
+  [[nodiscard]] Patch root_patch(const ElementRoot& root) const;
+  [[nodiscard]] Patch cell_patch(const ElementRoot& root, const ElementCell& cell) const;
 
   std::span<const Shape> shapes_;
   std::vector<std::array<std::uint32_t, 2>> first_root_;  // by shape and side; no_index: no elements
+  std::vector<std::array<C3f, 2>> reflectance_;           // by shape and side
   std::vector<std::uint8_t> is_sphere_;                   // by shape
   std::vector<V3f> sphere_center_;                        // by shape
   std::vector<ElementRoot> roots_;
-  std::vector<std::uint32_t> root_of_;  // by element
-  std::vector<double> area_;            // by element
-  std::vector<C3f> reflectance_;        // by element
+  std::vector<std::uint32_t> cells_;  // of refined roots: an element, or the first of four cells | refined
+  std::vector<std::uint32_t> first_member_;  // by cluster, and the end
+  std::vector<std::uint32_t> member_;        // roots, by cluster
+  std::vector<float> member_share_;          // by member: the part of the cluster's area up to and with it
+  std::vector<Place> place_;                 // by element
+  std::vector<float> area_;                  // by element
+};
+
+/// Points of one element, many times: finds out once what they have in common. REQUIRES: the mesh outlives it.
+class ElementSampler {
+ public:
+  ElementSampler(const ElementMesh& mesh, std::uint32_t element)
+      : mesh_(mesh), element_(element), patch_(mesh.patch(element)), is_cluster_(mesh.is_cluster(element)) {}
+  /// A point uniform in area for u uniform in the unit square.
+  [[nodiscard]] ElementPoint operator()(const V2f& u) const {
+    return is_cluster_ ? mesh_.sample(element_, u) : patch_.sample(u);
+  }
+
+ private:
+  const ElementMesh& mesh_;
+  std::uint32_t element_;
+  Patch patch_;
+  bool is_cluster_;
 };
 
 }  // namespace twopass

@@ -42,15 +42,15 @@ class ElementSurvey {
   // Casts the rays of an element and writes their landings.
   Finding run(std::uint32_t element, std::span<std::uint32_t> landings, std::uint64_t& rays) const {
     Finding finding;
-    const Patch patch = mesh_.patch(element);
-    if (!(patch.area > 0.0)) {
+    if (!(mesh_.area(element) > 0.0)) {
       std::fill(landings.begin(), landings.end(), RaySurvey::buried);
       return {{}, 0.0, C3d(0.0)};
     }
+    const ElementSampler sample(mesh_, element);
     const float size = mesh_.size(element);
     for (std::uint32_t k = 0; k < landings.size(); ++k) {
       Sampler sampler(seed_, element, k);
-      const ElementPoint start = patch.sample(sampler.next_2d());
+      const ElementPoint start = sample(sampler.next_2d());
       const V3f direction = Frame(V3f(start.normal)).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
       landings[k] = cast({start.ray_position(), direction}, V3f(start.normal), size, sampler, finding, rays);
     }
@@ -222,7 +222,7 @@ ExchangeMatrix exchange_from_landings(const RaySurvey& survey, const ElementMesh
   // N / A of whole elements, which is that of their exposed parts, too.
   std::vector<double> rays_by_area(mesh.count());
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
-    rays_by_area[i] = survey.rays_per_element / mesh.patch(i).area;
+    rays_by_area[i] = survey.rays_per_element / mesh.whole_area(i);
   const auto n = static_cast<Eigen::Index>(mesh.count());
   ExchangeMatrix hits(n, n);
   hits.reserve(static_cast<Eigen::Index>(survey.landings.size()));

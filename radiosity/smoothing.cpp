@@ -20,8 +20,15 @@ V2i edge_vertex(int edge, int k, int divisions) {
   return {0, divisions - k};
 }
 
+int divisions_of(const ElementRoot& root) { return std::max<int>(1, root.divisions); }
+
+ElementCell cell_of(const ElementMesh& mesh, const ElementRoot& root, std::uint32_t element) {
+  return root.divisions == 0 ? ElementCell{0, 0, false, 1} : mesh.cell(element);
+}
+
 V3d root_normal(const ElementMesh& mesh, const ElementRoot& root) {
-  return mesh.patch(root.first_element).normal;
+  if (mesh.is_sphere(root.shape)) return V3d(0.0);
+  return triangle_patch(std::get<Mesh>(mesh.shapes()[root.shape].geometry), root.primitive, root.side).normal;
 }
 
 // Whether two roots that touch are parts of one smooth surface.
@@ -87,7 +94,7 @@ SmoothIrradiance::SmoothIrradiance(const ElementMesh& mesh, std::span<const Irra
 
 std::size_t SmoothIrradiance::vertex(const ElementMesh& mesh, std::uint32_t root, const V2i& numerators) const {
   // Row y of a grid of n divisions has n + 1 - y vertices.
-  const auto n = static_cast<std::size_t>(mesh.roots()[root].divisions);
+  const auto n = static_cast<std::size_t>(divisions_of(mesh.roots()[root]));
   const auto x = static_cast<std::size_t>(numerators.x), y = static_cast<std::size_t>(numerators.y);
   return first_vertex_[root] + y * (2 * n + 3 - y) / 2 + x;
 }
@@ -97,14 +104,15 @@ std::vector<SmoothIrradiance::Weighted> SmoothIrradiance::sum_elements(const Ele
   std::size_t vertices = 0;
   for (const ElementRoot& root : mesh.roots()) {
     first_vertex_.push_back(vertices);
-    vertices += (std::size_t{root.divisions} + 1) * (std::size_t{root.divisions} + 2) / 2;
+    const auto n = static_cast<std::size_t>(divisions_of(root));
+    vertices += (n + 1) * (n + 2) / 2;
   }
   std::vector<Weighted> sums(vertices);
   for (std::uint32_t r = 0; r < mesh.roots().size(); ++r) {
     const ElementRoot& root = mesh.roots()[r];
-    const std::uint32_t end = root.first_element + std::uint32_t{root.divisions} * root.divisions;
-    for (std::uint32_t element = root.first_element; element < end; ++element)
-      for (const V2i& corner : cell_corners(mesh.cell(element)))
+    const std::uint32_t cells = static_cast<std::uint32_t>(divisions_of(root) * divisions_of(root));
+    for (std::uint32_t element = root.first_element; element < root.first_element + cells; ++element)
+      for (const V2i& corner : cell_corners(cell_of(mesh, root, element)))
         sums[vertex(mesh, r, corner)].add(irradiance[element], mesh.area(element));
   }
   return sums;
@@ -116,9 +124,10 @@ void SmoothIrradiance::weld_borders(const ElementMesh& mesh, std::vector<Weighte
     const ElementRoot& root = mesh.roots()[r];
     const V3d normal = root_normal(mesh, root);
     for (int edge = 0; edge < 3; ++edge)
-      for (int k = 0; k < root.divisions; ++k) {
-        const V2i numerators = edge_vertex(edge, k, root.divisions);
-        border.push_back({mesh.grid_point(root, numerators), normal, r, vertex(mesh, r, numerators)});
+      for (int k = 0; k < divisions_of(root); ++k) {
+        const V2i numerators = edge_vertex(edge, k, divisions_of(root));
+        border.push_back({mesh.grid_point(root, numerators, static_cast<std::uint32_t>(divisions_of(root))),
+                          normal, r, vertex(mesh, r, numerators)});
       }
   }
   std::sort(border.begin(), border.end(), [](const BorderVertex& a, const BorderVertex& b) {
@@ -147,8 +156,10 @@ void SmoothIrradiance::align_hanging_vertices(const ElementMesh& mesh) {
   for (std::uint32_t r = 0; r < mesh.roots().size(); ++r) {
     const ElementRoot& root = mesh.roots()[r];
     for (int edge = 0; edge < 3; ++edge) {
-      V3d from = mesh.grid_point(root, edge_vertex(edge, 0, root.divisions));
-      V3d to = mesh.grid_point(root, edge_vertex(edge, root.divisions, root.divisions));
+      V3d from = mesh.grid_point(root, edge_vertex(edge, 0, divisions_of(root)),
+                                 static_cast<std::uint32_t>(divisions_of(root)));
+      V3d to = mesh.grid_point(root, edge_vertex(edge, divisions_of(root), divisions_of(root)),
+                               static_cast<std::uint32_t>(divisions_of(root)));
       const bool reversed = key(to) < key(from);
       if (reversed) std::swap(from, to);
       edges.push_back({from, to, root_normal(mesh, root), r, edge, reversed});
@@ -167,10 +178,10 @@ void SmoothIrradiance::align_hanging_vertices(const ElementMesh& mesh) {
       const ElementRoot& fine = mesh.roots()[edges[i].root];
       const BorderEdge* coarsest = &edges[i];
       for (std::size_t j = begin; j < end; ++j)
-        if (mesh.roots()[edges[j].root].divisions < mesh.roots()[coarsest->root].divisions &&
+        if (divisions_of(mesh.roots()[edges[j].root]) < divisions_of(mesh.roots()[coarsest->root]) &&
             continues(fine, edges[i].normal, mesh.roots()[edges[j].root], edges[j].normal, mesh))
           coarsest = &edges[j];
-      const int n = fine.divisions, m = mesh.roots()[coarsest->root].divisions;
+      const int n = divisions_of(fine), m = divisions_of(mesh.roots()[coarsest->root]);
       for (int k = 1; k < n && m < n; ++k) {
         const int left = k * m / n;
         const float t = static_cast<float>(k * m - left * n) / static_cast<float>(n);
@@ -183,9 +194,8 @@ void SmoothIrradiance::align_hanging_vertices(const ElementMesh& mesh) {
 }
 
 Irradiance SmoothIrradiance::at(const ElementMesh& mesh, const ElementMesh::Location& location) const {
-  const ElementRoot& root = mesh.root(location.element);
-  const auto r = static_cast<std::uint32_t>(&root - mesh.roots().data());
-  const std::array<V2i, 3> corner = cell_corners(mesh.cell(location.element));
+  const std::uint32_t r = location.root;
+  const std::array<V2i, 3> corner = cell_corners(cell_of(mesh, mesh.roots()[r], location.element));
   // Rounding may have left the cell by a hair: interpolation must not become extrapolation.
   const float u = std::clamp(location.u, 0.0f, 1.0f), v = std::clamp(location.v, 0.0f, 1.0f - u);
   const std::array<float, 3> weight{1.0f - u - v, u, v};

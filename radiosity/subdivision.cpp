@@ -1,5 +1,8 @@
 #include "radiosity/subdivision.h"
 
+#include "radiosity/clusters.h"
+#include "render/core/parallel.h"
+
 namespace twopass {
 
 namespace {
@@ -7,24 +10,30 @@ namespace {
 // Beyond this the float barycentric coordinates of a hit no longer tell neighbouring elements apart well.
 constexpr int max_divisions = 4096;
 
-// Every triangle (or octant) on a side that can hold a radiosity, with its area.
+// Every triangle (or octant) on a side that can hold a radiosity.
 struct Roots {
   std::vector<ElementRoot> root;
   std::vector<double> area;
+  std::vector<ClusterCandidate> candidate;
 };
 
 void add_side(Roots& roots, const Shape& shape, std::uint32_t s, Side side) {
-  const auto add = [&](std::uint32_t primitive, double area) {
-    roots.root.push_back({s, primitive, 0, 1, side});
-    roots.area.push_back(area);
-  };
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    const double radius = sphere->radius;
-    for (std::uint32_t octant = 0; octant < 8; ++octant) add(octant, 0.5 * pi * radius * radius);
-  } else {
-    const Mesh& mesh = std::get<Mesh>(shape.geometry);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) add(i, triangle_patch(mesh, i, side).area);
-  }
+  const std::size_t first = roots.root.size();
+  const auto* sphere = std::get_if<Sphere>(&shape.geometry);
+  const std::size_t primitives = sphere ? 8 : std::get<Mesh>(shape.geometry).triangles.size();
+  roots.root.resize(first + primitives);
+  roots.area.resize(first + primitives);
+  roots.candidate.resize(first + primitives);
+  parallel_for(primitives, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto primitive = static_cast<std::uint32_t>(k);
+      roots.root[first + k] = {s, primitive, 0, no_index, 1, side};
+      const Patch patch = sphere ? spherical_patch(*sphere, octant_corners(primitive), side)
+                                 : triangle_patch(std::get<Mesh>(shape.geometry), primitive, side);
+      roots.area[first + k] = patch.area;
+      roots.candidate[first + k] = cluster_candidate(patch, shape.material, side);
+    }
+  });
 }
 
 Roots find_roots(const Scene& scene) {
@@ -35,43 +44,44 @@ Roots find_roots(const Scene& scene) {
   return roots;
 }
 
-// Elements of about one area. Divisions are 1, 2, 4 or the base times a power of two, so that the grids of
+// Elements of about one area. An edge is cut in 1 or in the base times a power of two, so that the grids of
 // neighbours of unequal size nest and their irradiance can be joined without a seam; a free choice of the base
-// lets the number of elements come near any budget.
+// lets the number of elements come near any budget. Triangles smaller than an element are joined.
 struct Grid {
   double target_area;
-  int base;  // 1 to 16
+  int base;  // odd: others are powers of two times one of these
 
-  // The base that suits the largest triangle best.
-  Grid(double target, double largest_area) : target_area(target) {
-    double divisions = std::sqrt(largest_area / target);
-    while (divisions > 16.0) divisions *= 0.5;
-    base = std::max(1, static_cast<int>(std::ceil(divisions)));
-  }
   // The least divisions with elements of at most the target area.
   [[nodiscard]] int divisions(double area) const {
     const double wanted = std::sqrt(area / target_area);
     int n = 1;
-    while (n < wanted && 2 * n <= max_divisions) n = n < base ? std::min(2 * n, base) : 2 * n;
+    while (n < wanted && 2 * n <= max_divisions) n = n == 1 ? std::max(2, base) : 2 * n;
     return n;
   }
-  [[nodiscard]] double elements(const std::vector<double>& area) const {
+  [[nodiscard]] float size() const { return static_cast<float>(std::sqrt(target_area)); }
+  [[nodiscard]] double elements(const Roots& roots) const {
     double sum = 0.0;
-    for (const double a : area) sum += std::pow(divisions(a), 2);
-    return sum;
+    std::size_t small = 0;
+    for (std::size_t r = 0; r < roots.root.size(); ++r) {
+      if (roots.candidate[r].extent <= size())
+        ++small;
+      else
+        sum += std::pow(divisions(roots.area[r]), 2);
+    }
+    return small == 0 ? sum : sum + count_clusters(roots.candidate, size());
   }
 };
 
-// The finest grid with at most `max_elements` elements. REQUIRES: there are fewer areas than that.
-Grid finest_grid(const std::vector<double>& area, double max_elements) {
-  const double largest = *std::max_element(area.begin(), area.end());
-  double high = largest, low = largest / max_elements / static_cast<double>(area.size());
-  // The logarithm of the interval is halved: 40 steps are below a float's resolution.
-  for (int step = 0; step < 40; ++step) {
+// The finest grid of this base with at most `max_elements` elements; none if even the coarsest has more.
+Grid finest_grid(const Roots& roots, int base, double total_area, double extent, double max_elements) {
+  // One that is certainly too coarse, and one that is certainly too fine.
+  double high = 4.0 * extent * extent, low = std::min(high, total_area / max_elements / 16.0);
+  // The logarithm of the interval is halved, down to about half a percent of the area.
+  while (high / low > 1.005) {
     const double middle = std::sqrt(low * high);
-    (Grid(middle, largest).elements(area) <= max_elements ? high : low) = middle;
+    (Grid{middle, base}.elements(roots) <= max_elements ? high : low) = middle;
   }
-  return Grid(high, largest);
+  return {high, base};
 }
 
 }  // namespace
@@ -83,15 +93,23 @@ bool can_hold_radiosity(const Scene& scene, std::uint32_t shape, Side side) {
 
 ElementMesh divide_surfaces(const Scene& scene, std::size_t max_elements) {
   Roots roots = find_roots(scene);
-  const bool can_divide =
-      !roots.root.empty() &&
-      roots.root.size()<max_elements&& * std::max_element(roots.area.begin(), roots.area.end())> 0.0;
-  if (can_divide) {
-    const Grid grid = finest_grid(roots.area, static_cast<double>(max_elements));
+  double total_area = 0.0;
+  for (const double area : roots.area) total_area += area;
+  std::vector<std::uint32_t> cluster;
+  if (total_area > 0.0 && max_elements > 0) {
+    const double extent = static_cast<double>((scene.bounds().max - scene.bounds().min).length());
+    Grid best{0.0, 1};
+    for (const int base : {1, 3, 5, 7}) {
+      const Grid grid = finest_grid(roots, base, total_area, extent, static_cast<double>(max_elements));
+      if (base == 1 || grid.target_area < best.target_area) best = grid;
+      if (roots.root.size() > max_elements) break;  // all but clusters: the base hardly matters
+    }
+    cluster = form_clusters(roots.candidate, best.size());
     for (std::size_t r = 0; r < roots.root.size(); ++r)
-      roots.root[r].divisions = static_cast<std::uint16_t>(grid.divisions(roots.area[r]));
+      roots.root[r].divisions =
+          cluster[r] != no_index ? 0 : static_cast<std::uint16_t>(best.divisions(roots.area[r]));
   }
-  return ElementMesh(scene.shapes(), scene.description().materials, std::move(roots.root));
+  return ElementMesh(scene.shapes(), scene.description().materials, std::move(roots.root), cluster);
 }
 
 }  // namespace twopass

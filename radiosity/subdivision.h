@@ -12,8 +12,8 @@ namespace twopass {
 bool can_hold_radiosity(const Scene& scene, std::uint32_t shape, Side side);
 
 /// Divides the sides that can hold a radiosity into elements of one size, as fine as at most `max_elements`
-/// allow. Triangles that are smaller than that stay whole, so there can be more elements where there are more
-/// triangles.
+/// allow; smaller triangles are joined to clusters of that size. There can be a few more elements than that
+/// where not even the largest clusters are few enough. 0: one element a triangle side.
 ElementMesh divide_surfaces(const Scene& scene, std::size_t max_elements);
 
 }  // namespace twopass

@@ -52,8 +52,8 @@ TEST(Elements, AreasAddUpToTheSurface) {
     const ElementMesh mesh = divide_surfaces(scene, most);
     double flat = 0.0, round = 0.0;
     for (std::uint32_t i = 0; i < mesh.count(); ++i) (mesh.root(i).shape == 0 ? flat : round) += mesh.area(i);
-    EXPECT_NEAR(flat, 2.0 * triangle, 1e-10);
-    EXPECT_NEAR(round, 2.0 * 4.0 * pi * 2.25, 1e-9);
+    EXPECT_NEAR(flat / (2.0 * triangle), 1.0, 1e-7);
+    EXPECT_NEAR(round / (2.0 * 4.0 * pi * 2.25), 1.0, 1e-7);
   }
 }
 
@@ -79,6 +79,7 @@ TEST(Elements, CellsNumberTheirRootWithoutGaps) {
   for (const ElementRoot& root : mesh.roots()) {
     std::uint32_t upright = 0;
     for (std::uint32_t k = 0; k < std::uint32_t{root.divisions} * root.divisions; ++k) {
+      EXPECT_EQ(&mesh.root(root.first_element + k), &root);
       const ElementCell cell = mesh.cell(root.first_element + k);
       EXPECT_LT(cell.column + cell.row + (cell.inverted ? 1 : 0), root.divisions);
       if (!cell.inverted) ++upright;
@@ -109,7 +110,86 @@ TEST(Elements, ExposedPartsShrinkTheArea) {
   mesh.expose(fraction);
   EXPECT_DOUBLE_EQ(mesh.area(0), 0.25 * area);
   EXPECT_DOUBLE_EQ(mesh.area(1), other);
-  EXPECT_DOUBLE_EQ(mesh.patch(0).area, area);
+  EXPECT_FLOAT_EQ(static_cast<float>(mesh.patch(0).area), static_cast<float>(area));
+  EXPECT_FLOAT_EQ(static_cast<float>(mesh.whole_area(0)), static_cast<float>(area));
+}
+
+TEST(Elements, AChildIsAQuarterOfItsCell) {
+  for (const bool inverted : {false, true}) {
+    const ElementCell cell{3, 5, inverted, 16};
+    const std::array<V2i, 3> corner = cell_corners(cell);
+    for (int k = 0; k < 4; ++k) {
+      const ElementCell child = child_cell(cell, k);
+      EXPECT_EQ(child.divisions, 32u);
+      const std::array<V2i, 3> small = cell_corners(child);
+      for (int j = 0; j < 3; ++j) {
+        // Twice the corner k moves half way towards it; in the middle one, corner j lies opposite.
+        const V2i expected = k < 3 ? corner[k] + corner[j] : corner[(j + 1) % 3] + corner[(j + 2) % 3];
+        EXPECT_EQ(small[j], expected) << inverted << " " << k << " " << j;
+      }
+    }
+  }
+}
+
+// Splits a random third of the elements, a few times over.
+ElementMesh split_at_random(ElementMesh mesh, int times) {
+  for (int t = 0; t < times; ++t) {
+    std::vector<bool> chosen(mesh.count());
+    for (std::uint32_t i = 0; i < mesh.count(); ++i)
+      chosen[i] = Sampler(7, i, static_cast<std::uint32_t>(t)).next_1d() < 0.3f;
+    mesh = mesh.split(chosen);
+  }
+  return mesh;
+}
+
+TEST(Elements, SplitMeshesFindTheirElementsAndKeepTheArea) {
+  const Scene scene = two_sided_scene();
+  const ElementMesh coarse = divide_surfaces(scene, 100);
+  const ElementMesh mesh = split_at_random(coarse, 4);
+  ASSERT_GT(mesh.count(), 4 * coarse.count());
+  double area = 0.0, coarse_area = 0.0;
+  for (std::uint32_t i = 0; i < coarse.count(); ++i) coarse_area += coarse.area(i);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) {
+    area += mesh.area(i);
+    const Patch patch = mesh.patch(i);
+    EXPECT_EQ(mesh.find(look_at_point(scene, patch.centroid())), i);
+    ElementPoint point = patch.sample(Sampler(1, i, 0).next_2d());
+    point.position += (patch.centroid().position - point.position) * 1e-2;
+    const ElementMesh::Location location = mesh.locate(look_at_point(scene, point));
+    ASSERT_EQ(location.element, i);
+    // The place in the element is the place in space.
+    if (mesh.is_sphere(mesh.root(i).shape)) continue;
+    std::array<V3d, 3> corner;
+    const std::array<V2i, 3> numerators = cell_corners(mesh.cell(i));
+    for (int k = 0; k < 3; ++k)
+      corner[k] = mesh.grid_point(mesh.root(i), numerators[k], mesh.cell(i).divisions);
+    const V3d back_again = corner[0] + (corner[1] - corner[0]) * static_cast<double>(location.u) +
+                           (corner[2] - corner[0]) * static_cast<double>(location.v);
+    EXPECT_LT((back_again - point.position).length(), 1e-5);
+  }
+  EXPECT_NEAR(area / coarse_area, 1.0, 1e-6);
+}
+
+TEST(Elements, SplittingEverythingIsAGridAgain) {
+  const Scene scene = two_sided_scene();
+  const ElementMesh coarse = divide_surfaces(scene, 100);
+  const ElementMesh fine = coarse.split(std::vector<bool>(coarse.count(), true));
+  EXPECT_EQ(fine.count(), 4 * coarse.count());
+  for (std::uint32_t i = 0; i < fine.count(); ++i)
+    EXPECT_EQ(fine.find(look_at_point(scene, fine.patch(i).centroid())), i);
+}
+
+TEST(Elements, WhatIsTooFineToTellApartIsNotSplit) {
+  const Scene scene = two_sided_scene();
+  ElementMesh mesh = divide_surfaces(scene, 0);
+  const std::size_t start = mesh.count();
+  for (int k = 0; k < 20; ++k) {
+    std::vector<bool> chosen(mesh.count(), false);
+    chosen[0] = true;
+    mesh = mesh.split(chosen);
+  }
+  EXPECT_EQ(mesh.count(), start + 13 * 3);  // 2^13 divisions of an edge are the most
+  EXPECT_EQ(mesh.find(look_at_point(scene, mesh.patch(0).centroid())), 0u);
 }
 
 }  // namespace
