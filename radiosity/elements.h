@@ -113,6 +113,7 @@ class ElementMesh {
   [[nodiscard]] std::span<const ElementRoot> roots() const { return roots_; }
   /// Of a cluster: its first.
   [[nodiscard]] const ElementRoot& root(std::uint32_t element) const { return roots_[place_[element].root]; }
+  [[nodiscard]] std::uint32_t root_index(std::uint32_t element) const { return place_[element].root; }
   /// The roots of a cluster, by index into roots().
   [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t cluster_element) const;
   /// REQUIRES: !is_cluster(element).

@@ -41,6 +41,17 @@ inline constexpr Named<Solver> solver_names[] = {
     {"lu", Solver::lu},
 };
 
+/// How the surfaces are divided into elements.
+enum class Subdivision {
+  uniform,   ///< all of about one size
+  adaptive,  ///< refined in a few rounds where the radiosity changes, by adaptive substructuring
+};
+
+inline constexpr Named<Subdivision> subdivision_names[] = {
+    {"uniform", Subdivision::uniform},
+    {"adaptive", Subdivision::adaptive},
+};
+
 struct RadiosityOptions {
   Solver solver = Solver::automatic;
   FormFactorMethod form_factors = FormFactorMethod::automatic;
@@ -49,6 +60,7 @@ struct RadiosityOptions {
   double relative_error = 0.01;
   /// Most elements, as long as one a triangle and side is enough; 0: a number that suits the method.
   std::size_t max_elements = 0;
+  Subdivision subdivision = Subdivision::uniform;
   /// Rays an element, for the method `rays` and for what is seen through specular surfaces; 0: chosen.
   std::uint32_t rays_per_element = 0;
   std::uint32_t seed = 0;

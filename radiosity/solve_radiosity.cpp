@@ -1,5 +1,6 @@
 #include <bit>
 
+#include "radiosity/adaptive.h"
 #include "radiosity/analytic_exchange.h"
 #include "radiosity/caustics.h"
 #include "radiosity/direct_irradiance.h"
@@ -15,6 +16,8 @@ namespace {
 
 constexpr std::size_t default_elements_rays = 8192;
 constexpr std::size_t default_elements_analytic = 1500;
+// Adaptive substructuring starts with this part of the elements.
+constexpr std::size_t coarse_part = 8;
 // The albedo that stands in for 1 and more: with them the balance of a closed scene has no solution.
 constexpr float largest_reflectance = 0.999f;
 // The part of the error that the iteration may use up.
@@ -27,6 +30,9 @@ std::uint32_t default_rays(std::size_t elements) {
   const std::size_t rays = (std::size_t{1} << 20) / std::max<std::size_t>(1, elements);
   return static_cast<std::uint32_t>(std::bit_floor(std::clamp<std::size_t>(rays, 32, 4096)));
 }
+
+// A pilot solution only has to show where the light changes.
+std::uint32_t pilot_rays(std::size_t elements) { return std::min(default_rays(elements), 256u); }
 
 std::vector<C3f> clamped_reflectances(const ElementMesh& mesh, RadiosityStats& stats) {
   std::vector<C3f> reflectance(mesh.count());
@@ -151,30 +157,33 @@ Balance assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& 
   return balance;
 }
 
-}  // namespace
+// What `automatic` and 0 stand for.
+struct Choice {
+  FormFactorMethod method;
+  Solver solver;
+  std::size_t max_elements;
+};
 
-Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
+Choice choose(const RadiosityOptions& options) {
+  Choice choice;
   const bool by_rays =
       options.form_factors == FormFactorMethod::automatic || options.form_factors == FormFactorMethod::rays;
-  const FormFactorMethod method = by_rays ? FormFactorMethod::rays : options.form_factors;
-  const Solver solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
-  std::size_t most = by_rays ? default_elements_rays : default_elements_analytic;
-  if (solver == Solver::lu) most = std::min<std::size_t>(most, lu_max_elements);
-  ElementMesh mesh = divide_surfaces(scene, options.max_elements ? options.max_elements : most);
+  choice.method = by_rays ? FormFactorMethod::rays : options.form_factors;
+  choice.solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
+  choice.max_elements = by_rays ? default_elements_rays : default_elements_analytic;
+  if (choice.solver == Solver::lu)
+    choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
+  if (options.max_elements) choice.max_elements = options.max_elements;
+  return choice;
+}
 
-  RadiosityStats stats;
-  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, solver);
-  stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, method);
-  stats.elements = mesh.count();
+// Solves on the given elements and fills in what the statistics say of it, adding up rays.
+std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                                 const Choice& choice, RadiosityStats& stats) {
+  const Balance balance = assemble(scene, mesh, options, choice.method, stats);
+  const SolverResult result =
+      run_solver(choice.solver, balance, options.relative_error, options.max_reflections);
   std::vector<Irradiance> irradiance(mesh.count());
-  const bool is_dark = scene.lights().empty() && is_black(scene.sky());
-  if (mesh.count() == 0 || is_dark) {
-    stats.notes.push_back(is_dark ? "nothing emits light" : "no surface reflects light diffusely");
-    return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
-  }
-
-  const Balance balance = assemble(scene, mesh, options, method, stats);
-  const SolverResult result = run_solver(solver, balance, options.relative_error, options.max_reflections);
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i] = {C3f(balance.direct[i]), C3f(result.irradiance[i])};
   stats.links = static_cast<std::size_t>(balance.exchange.nonZeros()) + balance.specular.link.size();
@@ -184,6 +193,48 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
   stats.memory_bytes = mesh.memory_bytes() + irradiance.size() * sizeof(Irradiance) +
                        static_cast<std::size_t>(balance.exchange.nonZeros()) * (sizeof(float) + sizeof(int)) +
                        balance.specular.link.size() * sizeof(SpecularLink);
+  return irradiance;
+}
+
+// Refines the coarse elements where solutions on them say that it matters, up to the number allowed.
+ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
+                              const Choice& choice, RadiosityStats& stats) {
+  RadiosityOptions pilot = options;
+  if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays(mesh.count());
+  while (mesh.count() + 3 <= choice.max_elements) {
+    RadiosityStats pilot_stats;
+    const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, choice, pilot_stats);
+    stats.rays += pilot_stats.rays;
+    // A round at most doubles the number, so that the next one is better informed.
+    const std::size_t room = std::min(choice.max_elements - mesh.count(), mesh.count()) / 3;
+    const std::vector<bool> chosen =
+        elements_to_split(mesh, irradiance, std::max<std::size_t>(1, room), options.relative_error);
+    ElementMesh finer = mesh.split(chosen);
+    if (finer.count() == mesh.count()) break;
+    mesh = std::move(finer);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
+  const Choice choice = choose(options);
+  const bool adaptive = options.subdivision == Subdivision::adaptive;
+  ElementMesh mesh = divide_surfaces(scene, adaptive ? choice.max_elements / coarse_part : choice.max_elements);
+  RadiosityStats stats;
+  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, choice.solver);
+  stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);
+  const bool is_dark = scene.lights().empty() && is_black(scene.sky());
+  if (mesh.count() == 0 || is_dark) {
+    stats.elements = mesh.count();
+    stats.notes.push_back(is_dark ? "nothing emits light" : "no surface reflects light diffusely");
+    std::vector<Irradiance> darkness(mesh.count());
+    return Solution(std::move(mesh), std::move(darkness), std::move(stats));
+  }
+  if (adaptive) mesh = refine_adaptively(scene, std::move(mesh), options, choice, stats);
+  stats.elements = mesh.count();
+  std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
 }
 

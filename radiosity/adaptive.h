@@ -1,0 +1,22 @@
+// Adaptive substructuring: more elements where the radiosity changes.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "radiosity/elements.h"
+#include "radiosity/irradiance.h"
+
+namespace twopass {
+
+/// The power that a constant radiosity misplaces on each element (R40): area x albedo x difference between the
+/// largest and the smallest irradiance at its corners, in W and of the brightest channel. 0 for clusters, which
+/// cannot be split. REQUIRES: one irradiance an element.
+std::vector<double> misplaced_power(const ElementMesh& mesh, std::span<const Irradiance> irradiance);
+
+/// Chooses the elements with the largest misplaced power, at most `most`, and none of those that together
+/// misplace less than `negligible` of the total power. Equal powers are chosen in the order of elements.
+std::vector<bool> elements_to_split(const ElementMesh& mesh, std::span<const Irradiance> irradiance,
+                                    std::size_t most, double negligible);
+
+}  // namespace twopass
