@@ -63,21 +63,53 @@ double unoccluded_exchange(const Patch& a, const Patch& b, FormFactorMethod meth
   return exchange;
 }
 
+namespace {
+
+// All patches of all elements: one each, more of a cluster.
+struct Patches {
+  std::vector<Patch> patch;
+  std::vector<std::size_t> first;  // by element, and the end
+
+  explicit Patches(const ElementMesh& mesh) : first(mesh.count() + 1, 0) {
+    for (std::uint32_t i = 0; i < mesh.count(); ++i) {
+      for (std::size_t k = 0; k < mesh.patch_count(i); ++k) patch.push_back(mesh.patch(i, k));
+      first[i + 1] = patch.size();
+    }
+  }
+  [[nodiscard]] std::span<const Patch> of(std::uint32_t element) const {
+    return {patch.data() + first[element], patch.data() + first[element + 1]};
+  }
+};
+
+// X_ij of two elements, or of an element with itself: over all pairs of their patches.
+double visible_exchange(const RayCaster& caster, std::span<const Patch> a, std::span<const Patch> b,
+                        FormFactorMethod method, std::uint32_t key, std::uint64_t& rays) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (std::size_t l = 0; l < b.size(); ++l) {
+      const double unoccluded = unoccluded_exchange(a[k], b[l], method);
+      if (!(unoccluded > 0.0)) continue;
+      const bool same = &a[k] == &b[l];  // the inside of a sphere sees itself
+      const auto pair = static_cast<std::uint32_t>(k * b.size() + l);
+      sum += same ? unoccluded
+                  : unoccluded * visible_fraction(caster, a[k], b[l], key + pair, visibility_pairs, rays);
+    }
+  return sum;
+}
+
+}  // namespace
+
 ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caster, FormFactorMethod method,
                                  std::uint32_t seed, std::uint64_t& rays) {
   const auto n = static_cast<std::uint32_t>(mesh.count());
-  if (n > analytic_max_elements)
+  std::size_t patches = 0;
+  for (std::uint32_t i = 0; i < n; ++i) patches += mesh.patch_count(i);
+  if (patches > analytic_max_elements)
     throw Error("form factors",
-                std::to_string(n) + " elements are more than the " + std::to_string(analytic_max_elements) +
-                    " whose pairs can all be visited",
+                std::to_string(patches) + " elements and triangles of clusters are more than the " +
+                    std::to_string(analytic_max_elements) + " whose pairs can all be visited",
                 "use --form-factors rays, or fewer elements (--elements)");
-  for (std::uint32_t i = 0; i < n; ++i)
-    if (mesh.is_cluster(i))
-      throw Error("form factors",
-                  "the scene has more triangles than elements, and analytic factors are between triangles",
-                  "use --form-factors rays, or more elements (--elements)");
-  std::vector<Patch> patch(n);
-  for (std::uint32_t i = 0; i < n; ++i) patch[i] = mesh.patch(i);
+  const Patches all(mesh);
   std::vector<std::vector<Entry>> upper(n);
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(n, 1, [&](std::size_t begin, std::size_t end) {
@@ -85,12 +117,9 @@ ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caste
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       throw_if_interrupted();
       for (std::uint32_t j = i; j < n; ++j) {
-        const double unoccluded = unoccluded_exchange(patch[i], patch[j], method);
-        if (!(unoccluded > 0.0)) continue;
         const std::uint32_t key = hash_words(hash_words(seed, i), j);
-        const double fraction =
-            i == j ? 1.0 : visible_fraction(caster, patch[i], patch[j], key, visibility_pairs, row_rays);
-        if (fraction > 0.0) upper[i].push_back({j, static_cast<float>(unoccluded * fraction)});
+        const double exchange = visible_exchange(caster, all.of(i), all.of(j), method, key, row_rays);
+        if (exchange > 0.0) upper[i].push_back({j, static_cast<float>(exchange)});
       }
     }
     rays_cast += row_rays;
