@@ -4,20 +4,23 @@ namespace twopass {
 
 namespace {
 
+// Overshooting ends for good when a check finds the bound above this times the last one: nothing guarantees
+// that it helps, while shooting what is unshot, of either sign, always shrinks Sum A |unshot|.
+constexpr double least_progress = 0.999;
+
 // Finds the element of the largest unshot power in n / 64 + 64 steps: the powers' maxima by blocks of 64.
 class LargestPower {
  public:
   explicit LargestPower(std::size_t count) : power_(count, 0.0), block_((count + 63) / 64, 0.0) {}
 
-  void raise(std::size_t i, double power) {
+  void set(std::size_t i, double power) {
+    const double before = power_[i];
     power_[i] = power;
-    block_[i / 64] = std::max(block_[i / 64], power);
-  }
-  void clear(std::size_t i) {
-    power_[i] = 0.0;
-    const auto begin = power_.begin() + static_cast<std::ptrdiff_t>(i / 64 * 64);
-    const auto end = power_.begin() + static_cast<std::ptrdiff_t>(std::min(power_.size(), (i / 64 + 1) * 64));
-    block_[i / 64] = *std::max_element(begin, end);
+    double& largest = block_[i / 64];
+    if (power >= largest)
+      largest = power;
+    else if (before == largest)
+      find_again(i / 64);
   }
   [[nodiscard]] std::size_t find() const {
     const auto block = std::max_element(block_.begin(), block_.end());
@@ -27,6 +30,12 @@ class LargestPower {
   }
 
  private:
+  void find_again(std::size_t block) {
+    const auto begin = power_.begin() + static_cast<std::ptrdiff_t>(block * 64);
+    const auto end = power_.begin() + static_cast<std::ptrdiff_t>(std::min(power_.size(), (block + 1) * 64));
+    block_[block] = *std::max_element(begin, end);
+  }
+
   std::vector<double> power_, block_;
 };
 
@@ -46,22 +55,31 @@ SpecularLinks links_by_source(const SpecularLinks& by_receiver, std::uint32_t n)
 
 class Shooting {
  public:
-  explicit Shooting(const Balance& balance)
-      : balance_(balance),
+  Shooting(const Balance& balance, bool overshoot)
+      : overshoot_(overshoot),
+        balance_(balance),
         by_source_(links_by_source(balance.specular, balance.count())),
         shot_(balance.count(), C3d(0.0)),
         unshot_(balance.count(), C3d(0.0)),
         largest_(balance.count()) {
+    C3d reflected(0.0);
+    double area = 0.0;
+    for (std::uint32_t i = 0; i < balance.count(); ++i) {
+      reflected += C3d(balance.reflectance[i]) * balance.area[i];
+      area += balance.area[i];
+    }
+    for (int c = 0; c < 3 && area > 0.0; ++c) ambient_of_power_[c] = 1.0 / area / (1.0 - reflected[c] / area);
     for (std::uint32_t i = 0; i < balance.count(); ++i)
       if (balance.area[i] > 0.0) receive(i, balance.direct[i]);
   }
 
   void shoot_largest() {
     const auto i = static_cast<std::uint32_t>(largest_.find());
-    const C3d radiosity = unshot_[i];
+    C3d radiosity = unshot_[i];
+    // (R23): what the others' unshot power will bring here sooner or later.
+    if (overshoot_) radiosity += C3d(balance_.reflectance[i]) * ambient();
     shot_[i] += radiosity;
-    unshot_[i] = C3d(0.0);
-    largest_.clear(i);
+    add_unshot(i, -radiosity);
     // Column i of F is row i of the symmetric exchange over the receivers' areas.
     for (ExchangeMatrix::InnerIterator it(balance_.exchange, i); it; ++it) {
       const auto j = static_cast<std::uint32_t>(it.col());
@@ -79,45 +97,55 @@ class Shooting {
   }
 
   // (R19): the unshot power, spread over all surfaces and reflected for ever between them.
-  [[nodiscard]] C3d ambient() const {
-    C3d power(0.0), reflected(0.0);
-    double area = 0.0;
-    for (std::uint32_t i = 0; i < balance_.count(); ++i) {
-      power += unshot_[i] * balance_.area[i];
-      reflected += C3d(balance_.reflectance[i]) * balance_.area[i];
-      area += balance_.area[i];
-    }
-    C3d result(0.0);
-    for (int c = 0; c < 3 && area > 0.0; ++c) result[c] = power[c] / area / (1.0 - reflected[c] / area);
-    return result;
+  [[nodiscard]] C3d ambient() const { return unshot_power_ * ambient_of_power_; }
+
+  void stop_overshooting() { overshoot_ = false; }
+
+  // Takes from the running sum what rounding has added up.
+  void recount() {
+    unshot_power_ = C3d(0.0);
+    for (std::uint32_t i = 0; i < balance_.count(); ++i) unshot_power_ += unshot_[i] * balance_.area[i];
   }
 
  private:
   void receive(std::uint32_t i, const C3d& irradiance) {
-    unshot_[i] += C3d(balance_.reflectance[i]) * irradiance;
-    largest_.raise(i, balance_.area[i] * std::max({unshot_[i].x, unshot_[i].y, unshot_[i].z}));
+    add_unshot(i, C3d(balance_.reflectance[i]) * irradiance);
   }
 
+  void add_unshot(std::uint32_t i, const C3d& radiosity) {
+    unshot_[i] += radiosity;
+    unshot_power_ += radiosity * balance_.area[i];
+    largest_.set(i, balance_.area[i] *
+                        std::max({std::abs(unshot_[i].x), std::abs(unshot_[i].y), std::abs(unshot_[i].z)}));
+  }
+
+  bool overshoot_;
   const Balance& balance_;
   SpecularLinks by_source_;
   std::vector<C3d> shot_, unshot_;
+  C3d unshot_power_{0.0};      // Sum A unshot
+  C3d ambient_of_power_{0.0};  // (R19) for one watt
   LargestPower largest_;
 };
 
 }  // namespace
 
-SolverResult solve_progressive(const Balance& balance, const StopRule& stop) {
+SolverResult solve_progressive(const Balance& balance, const StopRule& stop, bool overshoot) {
   const Contraction q = contraction(balance);
   SolverResult result;
   const std::size_t n = balance.count();
-  Shooting shooting(balance);
+  Shooting shooting(balance, overshoot);
   // The bound costs a pass over the whole matrix, as much as n shots, so it is asked for rarely.
   const std::size_t shots_between_checks = std::max<std::size_t>(1, n / 2);
+  double last_bound = std::numeric_limits<double>::infinity();
   while (true) {
+    shooting.recount();
     result.radiosity = shooting.radiosity();
     result.irradiance = balance.gather_all(result.radiosity);
     result.error = balance_error(balance, q, result.radiosity, result.irradiance);
     if (result.error.bound <= stop.relative_error || result.iterations >= stop.max_iterations) break;
+    if (result.error.bound > least_progress * last_bound) shooting.stop_overshooting();
+    last_bound = result.error.bound;
     const std::size_t shots = std::min(shots_between_checks, stop.max_iterations - result.iterations);
     for (std::size_t k = 0; k < shots; ++k) shooting.shoot_largest();
     result.iterations += shots;
