@@ -5,7 +5,7 @@ namespace twopass {
 namespace {
 
 // Overshooting ends for good when a check finds the bound above this times the last one: nothing guarantees
-// that it helps, while shooting what is unshot, of either sign, always shrinks Sum A |unshot|.
+// that it converges, while shooting just what is unshot, of either sign, always shrinks Sum A |unshot|.
 constexpr double least_progress = 0.999;
 
 // Finds the element of the largest unshot power in n / 64 + 64 steps: the powers' maxima by blocks of 64.
@@ -53,31 +53,41 @@ SpecularLinks links_by_source(const SpecularLinks& by_receiver, std::uint32_t n)
   return result;
 }
 
+// The irradiance that a watt of unshot power, spread evenly, will have brought everywhere in the end (R23):
+// (R19) in a closed scene, and less where a part of it leaves an open one.
+C3d expected_of_power(const Balance& balance) {
+  const std::vector<C3d> share = balance.gather_all(std::vector<C3d>(balance.count(), C3d(1.0)));
+  C3d received(0.0), reflected(0.0);
+  double area = 0.0;
+  for (std::uint32_t i = 0; i < balance.count(); ++i) {
+    received += share[i] * balance.area[i];
+    reflected += C3d(balance.reflectance[i]) * share[i] * balance.area[i];
+    area += balance.area[i];
+  }
+  C3d result(0.0);
+  for (int c = 0; c < 3; ++c)
+    if (reflected[c] < area) result[c] = received[c] / area / (area - reflected[c]);
+  return result;
+}
+
 class Shooting {
  public:
   Shooting(const Balance& balance, bool overshoot)
-      : overshoot_(overshoot),
-        balance_(balance),
+      : balance_(balance),
+        overshoot_(overshoot),
         by_source_(links_by_source(balance.specular, balance.count())),
         shot_(balance.count(), C3d(0.0)),
         unshot_(balance.count(), C3d(0.0)),
         largest_(balance.count()) {
-    C3d reflected(0.0);
-    double area = 0.0;
-    for (std::uint32_t i = 0; i < balance.count(); ++i) {
-      reflected += C3d(balance.reflectance[i]) * balance.area[i];
-      area += balance.area[i];
-    }
-    for (int c = 0; c < 3 && area > 0.0; ++c) ambient_of_power_[c] = 1.0 / area / (1.0 - reflected[c] / area);
+    if (overshoot) expected_of_power_ = expected_of_power(balance);
     for (std::uint32_t i = 0; i < balance.count(); ++i)
       if (balance.area[i] > 0.0) receive(i, balance.direct[i]);
   }
 
   void shoot_largest() {
+    if (overshoot_ && shots_++ % shots_of_one_expectation() == 0) expect(unshot_power_ * expected_of_power_);
     const auto i = static_cast<std::uint32_t>(largest_.find());
-    C3d radiosity = unshot_[i];
-    // (R23): what the others' unshot power will bring here sooner or later.
-    if (overshoot_) radiosity += C3d(balance_.reflectance[i]) * ambient();
+    const C3d radiosity = to_shoot(i);
     shot_[i] += radiosity;
     add_unshot(i, -radiosity);
     // Column i of F is row i of the symmetric exchange over the receivers' areas.
@@ -97,9 +107,22 @@ class Shooting {
   }
 
   // (R19): the unshot power, spread over all surfaces and reflected for ever between them.
-  [[nodiscard]] C3d ambient() const { return unshot_power_ * ambient_of_power_; }
+  [[nodiscard]] C3d ambient() const {
+    C3d reflected(0.0);
+    double area = 0.0;
+    for (std::uint32_t i = 0; i < balance_.count(); ++i) {
+      reflected += C3d(balance_.reflectance[i]) * balance_.area[i];
+      area += balance_.area[i];
+    }
+    C3d result(0.0);
+    for (int c = 0; c < 3 && area > 0.0; ++c) result[c] = unshot_power_[c] / area / (1.0 - reflected[c] / area);
+    return result;
+  }
 
-  void stop_overshooting() { overshoot_ = false; }
+  void stop_overshooting() {
+    overshoot_ = false;
+    expect(C3d(0.0));
+  }
 
   // Takes from the running sum what rounding has added up.
   void recount() {
@@ -115,16 +138,40 @@ class Shooting {
   void add_unshot(std::uint32_t i, const C3d& radiosity) {
     unshot_[i] += radiosity;
     unshot_power_ += radiosity * balance_.area[i];
-    largest_.set(i, balance_.area[i] *
-                        std::max({std::abs(unshot_[i].x), std::abs(unshot_[i].y), std::abs(unshot_[i].z)}));
+    rank(i);
   }
 
-  bool overshoot_;
+  // (R23): what is unshot, and what the others' unshot power is expected to bring here sooner or later.
+  [[nodiscard]] C3d to_shoot(std::uint32_t i) const {
+    return unshot_[i] + C3d(balance_.reflectance[i]) * expected_;
+  }
+
+  // By what would be shot: by what is unshot, elements that have just overshot would come first, to take it
+  // back, and at albedos of 0.8 and more the iteration would not converge.
+  void rank(std::uint32_t i) {
+    const C3d radiosity = to_shoot(i);
+    largest_.set(
+        i, balance_.area[i] * std::max({std::abs(radiosity.x), std::abs(radiosity.y), std::abs(radiosity.z)}));
+  }
+
+  // A new expectation ranks all elements anew, as much work as an element of n links shooting: 16 times while n
+  // elements shoot is as good as every time.
+  [[nodiscard]] std::size_t shots_of_one_expectation() const {
+    return std::max<std::size_t>(1, balance_.count() / 16);
+  }
+  void expect(const C3d& irradiance) {
+    expected_ = irradiance;
+    for (std::uint32_t i = 0; i < balance_.count(); ++i) rank(i);
+  }
+
   const Balance& balance_;
+  bool overshoot_;
+  std::size_t shots_ = 0;
   SpecularLinks by_source_;
   std::vector<C3d> shot_, unshot_;
-  C3d unshot_power_{0.0};      // Sum A unshot
-  C3d ambient_of_power_{0.0};  // (R19) for one watt
+  C3d unshot_power_{0.0};  // Sum A unshot
+  C3d expected_of_power_{0.0};
+  C3d expected_{0.0};  // irradiance everywhere, as of the last time it was asked for; 0 without overshooting
   LargestPower largest_;
 };
 
@@ -144,7 +191,10 @@ SolverResult solve_progressive(const Balance& balance, const StopRule& stop, boo
     result.irradiance = balance.gather_all(result.radiosity);
     result.error = balance_error(balance, q, result.radiosity, result.irradiance);
     if (result.error.bound <= stop.relative_error || result.iterations >= stop.max_iterations) break;
-    if (result.error.bound > least_progress * last_bound) shooting.stop_overshooting();
+    if (overshoot && result.iterations > 0 && !(result.error.bound <= least_progress * last_bound)) {
+      overshoot = false;
+      shooting.stop_overshooting();
+    }
     last_bound = result.error.bound;
     const std::size_t shots = std::min(shots_between_checks, stop.max_iterations - result.iterations);
     for (std::size_t k = 0; k < shots; ++k) shooting.shoot_largest();
