@@ -1,11 +1,14 @@
+#include <optional>
+
 #include "radiosity/solvers.h"
 
 namespace twopass {
 
 namespace {
 
-// Overshooting ends for good when a check finds the bound above this times the last one: nothing guarantees
-// that it converges, while shooting just what is unshot, of either sign, always shrinks Sum A |unshot|.
+// Nothing guarantees that overshooting converges. Unless a check finds the unshot power, signs apart, below
+// this times that of the last check, everything starts anew without it: shooting just what is unshot always
+// converges. The first sweep is exempt, since it spreads what is expected before it arrives.
 constexpr double least_progress = 0.999;
 
 // Finds the element of the largest unshot power in n / 64 + 64 steps: the powers' maxima by blocks of 64.
@@ -119,9 +122,11 @@ class Shooting {
     return result;
   }
 
-  void stop_overshooting() {
-    overshoot_ = false;
-    expect(C3d(0.0));
+  [[nodiscard]] double unshot_of_any_sign() const {
+    double sum = 0.0;
+    for (std::uint32_t i = 0; i < balance_.count(); ++i)
+      sum += balance_.area[i] * (std::abs(unshot_[i].x) + std::abs(unshot_[i].y) + std::abs(unshot_[i].z));
+    return sum;
   }
 
   // Takes from the running sum what rounding has added up.
@@ -181,26 +186,27 @@ SolverResult solve_progressive(const Balance& balance, const StopRule& stop, boo
   const Contraction q = contraction(balance);
   SolverResult result;
   const std::size_t n = balance.count();
-  Shooting shooting(balance, overshoot);
+  std::optional<Shooting> shooting(std::in_place, balance, overshoot);
   // The bound costs a pass over the whole matrix, as much as n shots, so it is asked for rarely.
   const std::size_t shots_between_checks = std::max<std::size_t>(1, n / 2);
-  double last_bound = std::numeric_limits<double>::infinity();
+  double last_unshot = 0.0;
   while (true) {
-    shooting.recount();
-    result.radiosity = shooting.radiosity();
+    shooting->recount();
+    result.radiosity = shooting->radiosity();
     result.irradiance = balance.gather_all(result.radiosity);
     result.error = balance_error(balance, q, result.radiosity, result.irradiance);
     if (result.error.bound <= stop.relative_error || result.iterations >= stop.max_iterations) break;
-    if (overshoot && result.iterations > 0 && !(result.error.bound <= least_progress * last_bound)) {
+    const double unshot = overshoot ? shooting->unshot_of_any_sign() : 0.0;
+    if (overshoot && result.iterations > n && !(unshot <= least_progress * last_unshot)) {
       overshoot = false;
-      shooting.stop_overshooting();
+      shooting.emplace(balance, false);
     }
-    last_bound = result.error.bound;
+    last_unshot = unshot;
     const std::size_t shots = std::min(shots_between_checks, stop.max_iterations - result.iterations);
-    for (std::size_t k = 0; k < shots; ++k) shooting.shoot_largest();
+    for (std::size_t k = 0; k < shots; ++k) shooting->shoot_largest();
     result.iterations += shots;
   }
-  result.ambient = shooting.ambient();
+  result.ambient = shooting->ambient();
   return result;
 }
 

@@ -61,7 +61,7 @@ TEST(Hemicube, PixelsAddUpToOneAndAreTheSquaresThatTheyStandFor) {
       EXPECT_GT(pixel.direction.z, 0.0f);
     }
     EXPECT_NEAR(sum, 1.0, 1e-13);
-    EXPECT_NEAR(sum_of_squares, 1.0, 1e-12);  // they tile the half cube
+    EXPECT_NEAR(sum_of_squares, 1.0, 1e-7);  // they tile the half cube; directions are in single precision
     // The centre stands for its pixel to the second order.
     EXPECT_LT(worst, 3.0 / (resolution * resolution));
     EXPECT_LT(worst, 0.35 * last_worst);
@@ -85,7 +85,7 @@ TEST(Hemicube, SeesWhatThePointSeesToTheResolutionOfThePicture) {
     const ElementMesh mesh = divide_surfaces(scene, 1);
     ASSERT_EQ(mesh.count(), 4u);
     double last_error = 1.0;
-    for (const int resolution : {8, 64, 512}) {
+    for (const int resolution : {8, 32, 256}) {
       const ExchangeMatrix exchange = exchange_of(scene, mesh, resolution);
       double error = 0.0;
       for (std::uint32_t i = 0; i < 2; ++i)
@@ -114,23 +114,25 @@ TEST(Hemicube, UnitSquaresApproachTheExactExchange) {
     return std::array{std::abs(exchange_of_shapes(mesh, exchange, 0, 1) - parallel),
                       std::abs(exchange_of_shapes(mesh, exchange, 0, 2) - perpendicular)};
   };
-  const auto coarse = error_of(12, 256), pixelated = error_of(300, 4), fine = error_of(300, 64);
+  const auto coarse = error_of(12, 128), pixelated = error_of(200, 4), fine = error_of(200, 48);
   EXPECT_GT(coarse[0], 0.005);
   EXPECT_GT(coarse[1], 0.005);
   for (const int k : {0, 1}) {
-    EXPECT_LT(fine[k], 1e-3);
+    EXPECT_LT(fine[k], 2e-3);
     EXPECT_LT(fine[k], 0.2 * coarse[k]);
     EXPECT_LT(fine[k], pixelated[k]);
   }
 }
 
-// What the method cannot do: the centroid of a square a hundredth from another sees all of it but for a
-// hundredth of a per cent, while 2 % of the power leaves between them; and pixels miss what is smaller.
+// What the method cannot do: close to a square, the centroids of two halves of another see far more of it than
+// their surroundings do, and no number of pixels helps; and pixels miss what is smaller than they are.
 TEST(Hemicube, TakesElementsForPointsAndMissesWhatIsSmallerThanAPixel) {
-  const Scene close(test::plates(0.01f, 0.5f));
+  const Scene close(test::plates(0.2f, 0.5f));
   const ElementMesh mesh = divide_surfaces(close, 1);
-  const double exact = 0.98041660292597327;
-  EXPECT_GT(exchange_of_shapes(mesh, exchange_of(close, mesh, 128), 0, 1), exact + 0.015);
+  const V3d x(1, 0, 0), y(0, 1, 0);
+  const double exact = exchange_exact(parallelogram(V3d(0.0), x, y), parallelogram(V3d(0, 0, 0.2), y, x), 1e-9);
+  for (const int resolution : {64, 256})
+    EXPECT_GT(exchange_of_shapes(mesh, exchange_of(close, mesh, resolution), 0, 1), 1.1 * exact);
 
   const Scene far(test::plates(60.0f, 0.5f));
   const ElementMesh distant = divide_surfaces(far, 1);
@@ -177,6 +179,7 @@ RadiosityOptions options_for(FormFactorMethod method, std::size_t elements) {
   options.max_elements = elements;
   options.relative_error = 1e-6;
   options.hemicube_resolution = 32;
+  options.rays_per_element = 256;
   return options;
 }
 

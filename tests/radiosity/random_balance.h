@@ -46,7 +46,8 @@ inline Balance closed_balance(int n, float albedo, bool specular, unsigned seed)
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   Eigen::MatrixXd x(n, n);
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j) x(i, j) = x(j, i) = (0.1 + uniform(random)) / n;
+    for (int j = 0; j <= i; ++j)
+      x(i, j) = x(j, i) = (0.1 + uniform(random)) * balance.area[size_t(i)] * balance.area[size_t(j)] / n;
   balance.exchange = x.cast<float>().sparseView();
   std::vector<double> target = balance.area;
   for (double& area : target) area *= specular ? 0.5 : 1.0;
