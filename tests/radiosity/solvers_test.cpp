@@ -155,19 +155,19 @@ TEST(Solvers, ConjugateGradientsNeedOneStepForEachEigenvector) {
 // (R22): the error shrinks by (1 - sqrt(1 - rho^2)) / rho a step in the norm of the system, which differs from
 // that of the bound by constants: twice as many steps as for the first digits bring at least twice as many.
 TEST(Solvers, ConjugateGradientsConvergeAsTheirConditionSays) {
-  for (const float albedo : {0.8f, 0.95f, 0.999f}) {
-    const Balance balance = test::closed_balance(150, albedo, false, 2);
+  for (const float albedo : {0.9f, 0.95f, 0.999f}) {
+    const Balance balance = test::closed_balance(80, albedo, false, 2);
     const double rho = static_cast<double>(albedo), factor = (1.0 - std::sqrt(1.0 - rho * rho)) / rho;
     const auto coarse = solve_cg(balance, {1e-2}).iterations, fine = solve_cg(balance, {1e-8}).iterations;
     EXPECT_LE(static_cast<double>(fine - coarse), std::log(1e-6 * (1.0 - rho)) / std::log(factor));
-    if (albedo < 0.99f) EXPECT_LT(3 * fine, solve_gauss_seidel(balance, {1e-8}).iterations);
+    EXPECT_LT(3 * coarse, solve_gauss_seidel(balance, {1e-2}).iterations);
   }
 }
 
 // (R23).
 TEST(Solvers, OvershootingSavesShotsInBrightRooms) {
   for (const auto& [albedo, saving] : {std::pair(0.5f, 1.5), {0.8f, 2.5}, {0.95f, 6.0}}) {
-    const Balance balance = test::closed_balance(150, albedo, false, 1);
+    const Balance balance = test::closed_balance(100, albedo, false, 1);
     for (const double bound : {1e-2, 1e-8}) {
       const auto without = static_cast<double>(solve_progressive(balance, {bound}).iterations);
       const auto with = static_cast<double>(solve_progressive(balance, {bound}, true).iterations);
