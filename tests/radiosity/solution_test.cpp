@@ -63,6 +63,7 @@ TEST(Solution, AllSolversAgreeOnTheSameBalance) {
   const Scene scene(test::lit_room());
   std::vector<Solution> solution;
   RadiosityOptions options = options_for(FormFactorMethod::rays, 500, 1e-5);
+  options.rays_per_element = 256;
   for (const Solver solver : all_solvers) {
     options.solver = solver;
     solution.push_back(solve_radiosity(scene, options));
