@@ -5,12 +5,17 @@
 
 namespace twopass {
 
-C3d Balance::gather(std::uint32_t i, std::span<const C3d> radiosity) const {
+C3d Balance::gather_directly(std::uint32_t i, std::span<const C3d> radiosity) const {
   if (!(area[i] > 0.0)) return C3d(0.0);
   C3d sum(0.0);
   for (ExchangeMatrix::InnerIterator it(exchange, i); it; ++it)
     sum += radiosity[static_cast<std::size_t>(it.col())] * static_cast<double>(it.value());
-  sum *= 1.0 / area[i];
+  return sum * (1.0 / area[i]);
+}
+
+C3d Balance::gather(std::uint32_t i, std::span<const C3d> radiosity) const {
+  if (!(area[i] > 0.0)) return C3d(0.0);
+  C3d sum = gather_directly(i, radiosity);
   for (const SpecularLink& link : specular.of(i)) sum += radiosity[link.element] * C3d(link.weight);
   return sum;
 }

@@ -41,6 +41,8 @@ struct Balance {
   std::vector<C3d> direct;       ///< H, W/m2
 
   [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(area.size()); }
+  /// (F B)_i without the specular links: what elements see of each other directly.
+  [[nodiscard]] C3d gather_directly(std::uint32_t i, std::span<const C3d> radiosity) const;
   /// (F B)_i: the irradiance at element i from elements of the given radiosity.
   [[nodiscard]] C3d gather(std::uint32_t i, std::span<const C3d> radiosity) const;
   /// (F B) of all elements.

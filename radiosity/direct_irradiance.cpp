@@ -55,7 +55,8 @@ double unoccluded_exchange_with(const Patch& patch, const Emitter& emitter, Form
     }
     return patch.area * sum / points;
   }
-  if (method == FormFactorMethod::point) return exchange_point(patch.polygon(), emitter.polygon);
+  if (method == FormFactorMethod::point || method == FormFactorMethod::hemicube)
+    return exchange_point(patch.polygon(), emitter.polygon);
   // Rays are content with less than what the statistics of everything else allow.
   return exchange_exact(patch.polygon(), emitter.polygon, method == FormFactorMethod::exact ? 1e-6 : 1e-3);
 }

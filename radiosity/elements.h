@@ -106,6 +106,11 @@ class ElementMesh {
   /// A point uniform in area for u uniform in the unit square.
   [[nodiscard]] ElementPoint sample(std::uint32_t element, const V2f& u) const;
 
+  /// A point in the middle; of a cluster, in a triangle near the middle of its list.
+  [[nodiscard]] ElementPoint centroid(std::uint32_t element) const {
+    return is_cluster(element) ? sample(element, V2f(0.5f)) : patch(element).centroid();
+  }
+
   /// The point of a root's grid, with numerators as `cell_corners` gives them. Neighbouring triangles with
   /// equal vertices get equal points on their common edge, bit for bit, whatever their grids.
   [[nodiscard]] V3d grid_point(const ElementRoot& root, const V2i& numerators, std::uint32_t divisions) const;

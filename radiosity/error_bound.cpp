@@ -37,20 +37,35 @@ double error_from_residual(double q_power, double q_maximum, double residual_pow
 
 BalanceError balance_error(const Balance& balance, const Contraction& q, std::span<const C3d> radiosity,
                            std::span<const C3d> gathered) {
+  return error_of_residual(balance, q, radiosity, residual_of(balance, radiosity, gathered));
+}
+
+std::vector<C3d> residual_of(const Balance& balance, std::span<const C3d> radiosity,
+                             std::span<const C3d> gathered) {
+  std::vector<C3d> residual(balance.count());
+  for (std::uint32_t i = 0; i < balance.count(); ++i)
+    residual[i] = C3d(balance.reflectance[i]) * (balance.direct[i] + gathered[i]) - radiosity[i];
+  return residual;
+}
+
+BalanceError error_of_residual(const Balance& balance, const Contraction& q, std::span<const C3d> radiosity,
+                               std::span<const C3d> residual) {
   C3d power(0.0), residual_power(0.0), residual_maximum(0.0);
   double total_area = 0.0;
   for (std::uint32_t i = 0; i < balance.count(); ++i) {
-    const C3d residual = C3d(balance.reflectance[i]) * (balance.direct[i] + gathered[i]) - radiosity[i];
     total_area += balance.area[i];
     power += radiosity[i] * balance.area[i];
     for (int c = 0; c < 3; ++c) {
-      residual_power[c] += balance.area[i] * std::abs(residual[c]);
-      residual_maximum[c] = std::max(residual_maximum[c], std::abs(residual[c]));
+      residual_power[c] += balance.area[i] * std::abs(residual[i][c]);
+      residual_maximum[c] = std::max(residual_maximum[c], std::abs(residual[i][c]));
     }
   }
   BalanceError error;
   for (int c = 0; c < 3; ++c) {
     if (residual_power[c] == 0.0) continue;  // a dark channel has no error
+    // Iterates that may be negative can add up to nothing: then there is nothing to be relative to.
+    if (!(power[c] > 0.0))
+      return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     const double absolute =
         error_from_residual(q.by_power[c], q.by_maximum[c], residual_power[c], residual_maximum[c], total_area);
     error.residual = std::max(error.residual, residual_power[c] / power[c]);

@@ -19,9 +19,18 @@ struct BalanceError {
   double bound = 0.0;     ///< at least Sum A |error| / Sum A B of the worst channel (R16)
 };
 
-/// `gathered` is F B (Balance::gather_all).
+/// `gathered` is F B (Balance::gather_all). Holds for any radiosity; infinite if Sum A B of a channel is not
+/// positive while its residual is not zero.
 BalanceError balance_error(const Balance& balance, const Contraction& q, std::span<const C3d> radiosity,
                            std::span<const C3d> gathered);
+
+/// The residual rho (H + F B) - B of each element; `gathered` is F B.
+std::vector<C3d> residual_of(const Balance& balance, std::span<const C3d> radiosity,
+                             std::span<const C3d> gathered);
+
+/// As `balance_error`, of a residual that is known already.
+BalanceError error_of_residual(const Balance& balance, const Contraction& q, std::span<const C3d> radiosity,
+                               std::span<const C3d> residual);
 
 /// The larger of a norm's two bounds' best: Sum A |error| when Sum A |residual| and max |residual| are given,
 /// for one channel of the contraction; infinite when nothing is guaranteed.

@@ -190,6 +190,9 @@ FormFactorMethod choose_method(const Fronts& fronts, const FormFactorOptions& op
       if (!options.occlusion)
         throw Error("form factors", "rays cannot ignore obstacles", "use --method exact or point");
       return FormFactorMethod::rays;
+    case FormFactorMethod::hemicube:
+      throw Error("form factors", "hemicubes see from elements, and whole shapes are not divided into any",
+                  "use --method exact, point or rays");
     case FormFactorMethod::exact:
     case FormFactorMethod::point:
       break;

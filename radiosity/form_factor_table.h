@@ -31,7 +31,7 @@ struct FormFactorTable {
 /// part is known to about 1e-3. `point`: from the triangles' centroids. `rays`: by chance, about 1 /
 /// sqrt(rays). `automatic`: exact, but rays where there are spheres or thousands of triangles. Throws Error
 /// when `exact` or `point` meet a sphere or too many triangles, and when all rays are asked to ignore
-/// obstacles.
+/// obstacles, and for `hemicube`, which sees from elements.
 FormFactorTable form_factor_table(const Scene& scene, const FormFactorOptions& options = {});
 
 }  // namespace twopass

@@ -14,31 +14,31 @@ namespace twopass {
 /// How form factors are found. All methods estimate the same numbers.
 enum class FormFactorMethod {
   automatic,
-  exact,  ///< analytic area to area, times the visible fraction; work and memory grow with elements squared
-  point,  ///< analytic from the element's centroid to areas, times the visible fraction; likewise
-  rays,   ///< cosine-distributed rays; work grows with the elements
+  exact,     ///< analytic area to area, times the visible fraction; work and memory grow with elements squared
+  point,     ///< analytic from the element's centroid to areas, times the visible fraction; likewise
+  hemicube,  ///< what the element's centroid sees in the pixels of a half cube; work as `rays`, but not random
+  rays,      ///< cosine-distributed rays; work grows with the elements
 };
 
 inline constexpr Named<FormFactorMethod> form_factor_method_names[] = {
-    {"auto", FormFactorMethod::automatic},
-    {"exact", FormFactorMethod::exact},
-    {"point", FormFactorMethod::point},
+    {"auto", FormFactorMethod::automatic}, {"exact", FormFactorMethod::exact},
+    {"point", FormFactorMethod::point},    {"hemicube", FormFactorMethod::hemicube},
     {"rays", FormFactorMethod::rays},
 };
 
 /// How the system of equations is solved. All solvers have the same solution.
 enum class Solver {
   automatic,
+  jacobi,        ///< gathers: relaxes all rows at once
   gauss_seidel,  ///< gathers: relaxes one row after the other
   progressive,   ///< shoots: relaxes columns in the order of unshot power
+  cg,            ///< conjugate gradients on the symmetric form
   lu,            ///< Gaussian elimination: exact, for at most `lu_max_elements`
 };
 
 inline constexpr Named<Solver> solver_names[] = {
-    {"auto", Solver::automatic},
-    {"gauss-seidel", Solver::gauss_seidel},
-    {"progressive", Solver::progressive},
-    {"lu", Solver::lu},
+    {"auto", Solver::automatic},          {"jacobi", Solver::jacobi}, {"gauss-seidel", Solver::gauss_seidel},
+    {"progressive", Solver::progressive}, {"cg", Solver::cg},         {"lu", Solver::lu},
 };
 
 /// How the surfaces are divided into elements.
@@ -55,6 +55,8 @@ inline constexpr Named<Subdivision> subdivision_names[] = {
 struct RadiosityOptions {
   Solver solver = Solver::automatic;
   FormFactorMethod form_factors = FormFactorMethod::automatic;
+  /// For the solver `progressive`: shoot an element's share of everybody's unshot power, too.
+  bool overshoot = false;
   /// Relative error to aim at. The iteration stops when the guaranteed mean error of the radiosity over its
   /// mean is a tenth of it: an early stop always loses light, and the other errors need the rest.
   double relative_error = 0.01;
@@ -63,6 +65,8 @@ struct RadiosityOptions {
   Subdivision subdivision = Subdivision::uniform;
   /// Rays an element, for the method `rays` and for what is seen through specular surfaces; 0: chosen.
   std::uint32_t rays_per_element = 0;
+  /// Pixels along an edge of the top of a hemicube, for the method `hemicube`: even, from 2 to 1024.
+  int hemicube_resolution = 64;
   std::uint32_t seed = 0;
   /// Most diffuse reflections of the indirect light, for pictures of limited depth; -1: all of them.
   int max_reflections = -1;
@@ -72,7 +76,7 @@ struct RadiosityStats {
   std::string solver, form_factors;  ///< names of what was used
   std::size_t elements = 0;
   std::size_t links = 0;       ///< non-zero form factors, those through specular surfaces included
-  std::size_t iterations = 0;  ///< sweeps over all rows (gauss-seidel), shots (progressive), 1 (lu)
+  std::size_t iterations = 0;  ///< sweeps (jacobi, gauss-seidel), products (cg), shots (progressive), 1 (lu)
   std::uint64_t rays = 0;      ///< all rays cast, shadow rays included
   /// Sum of area x |residual| over sum of area x radiosity, of the worst channel.
   double residual = 0.0;

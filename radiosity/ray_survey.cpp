@@ -84,12 +84,6 @@ class ElementSurvey {
     return RaySurvey::on_specular;
   }
 
-  // A surface parallel to the element and much closer than the element is large: a lamp on a ceiling, a carpet.
-  [[nodiscard]] static bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point,
-                                       const V3f& normal, float size) {
-    return point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
-  }
-
   // The black back of a one-sided surface: most likely the inside of something solid.
   [[nodiscard]] bool shows_inside(const SurfacePoint& point) const {
     return point.side == back && mesh_.has_elements(point.shape, front) &&
@@ -175,6 +169,10 @@ double share_of(std::span<const std::uint32_t> sorted, std::uint32_t first, std:
 }
 
 }  // namespace
+
+bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point, const V3f& normal, float size) {
+  return point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
+}
 
 double RaySurvey::share_on_elements(std::uint32_t element) const {
   return share_of(landings_of(element), 0, on_lamp - 1);

@@ -40,6 +40,10 @@ struct RaySurvey {
   [[nodiscard]] bool is_closed() const { return met_specular == 0 && met_sky * 100000 <= landings.size(); }
 };
 
+/// Whether what a ray from an element of the given normal and size (ElementMesh::size) has met lies right on
+/// top of it: parallel and much closer than the element is large, like a lamp on a ceiling, a carpet.
+bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point, const V3f& normal, float size);
+
 /// Rays stratified over each element and its hemisphere. The same result on any number of threads.
 RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uint32_t rays_per_element,
                            std::uint32_t seed);

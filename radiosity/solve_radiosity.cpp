@@ -5,10 +5,12 @@
 #include "radiosity/caustics.h"
 #include "radiosity/direct_irradiance.h"
 #include "radiosity/enforce.h"
+#include "radiosity/hemicube.h"
 #include "radiosity/ray_survey.h"
 #include "radiosity/solution.h"
 #include "radiosity/solvers.h"
 #include "radiosity/subdivision.h"
+#include "render/core/error.h"
 
 namespace twopass {
 
@@ -55,15 +57,17 @@ std::vector<C3f> clamped_reflectances(const ElementMesh& mesh, RadiosityStats& s
 class Enforcement {
  public:
   Enforcement(const RaySurvey& survey, const std::vector<double>& area, FormFactorMethod method)
-      : survey_(survey), area_(area), by_rays_(method == FormFactorMethod::rays) {}
+      : survey_(survey),
+        area_(area),
+        by_rays_(method == FormFactorMethod::rays || method == FormFactorMethod::hemicube) {}
 
   void apply(ExchangeMatrix& exchange, const std::vector<double>& exchange_with_lamps,
              RadiosityStats& stats) const {
     const std::size_t n = area_.size();
     std::vector<double> fixed(n, 0.0), target(n, 0.0), limit(n);
     stats.closed = survey_.is_closed();
-    // Analytic factors are better than the statistics of rays. Their sums are only known where everything that
-    // an element sees is an element or a lamp with factors of its own.
+    // Analytic factors are better than the statistics of rays (and of pixels). Their sums are only known where
+    // everything that an element sees is an element or a lamp with factors of its own.
     const bool lamps_known = survey_.met_lamp == 0 || !exchange_with_lamps.empty();
     const bool sums_known = by_rays_ || (survey_.is_closed() && survey_.met_black == 0 && lamps_known);
     if (!by_rays_ && sums_known && !exchange_with_lamps.empty()) fixed = exchange_with_lamps;
@@ -115,19 +119,31 @@ void cap_specular_links(Balance& balance) {
   }
 }
 
-SolverResult run_solver(Solver solver, const Balance& balance, double relative_error, int max_reflections) {
-  if (max_reflections >= 0) return solve_series(balance, max_reflections);
-  const StopRule stop{std::max(iteration_share * relative_error, smallest_relative_error)};
+SolverResult run_solver(Solver solver, const Balance& balance, const RadiosityOptions& options) {
+  if (options.max_reflections >= 0) return solve_series(balance, options.max_reflections);
+  const StopRule stop{std::max(iteration_share * options.relative_error, smallest_relative_error)};
   switch (solver) {
     case Solver::lu:
       return solve_lu(balance);
     case Solver::progressive:
-      return solve_progressive(balance, stop);
+      return solve_progressive(balance, stop, options.overshoot);
+    case Solver::jacobi:
+      return solve_jacobi(balance, stop);
+    case Solver::cg:
+      return solve_cg(balance, stop);
     case Solver::automatic:
     case Solver::gauss_seidel:
       break;
   }
   return solve_gauss_seidel(balance, stop);
+}
+
+ExchangeMatrix exchange_by(FormFactorMethod method, const Scene& scene, const ElementMesh& mesh,
+                           const RaySurvey& survey, const RadiosityOptions& options, std::uint64_t& rays) {
+  if (method == FormFactorMethod::rays) return exchange_from_landings(survey, mesh);
+  if (method == FormFactorMethod::hemicube)
+    return hemicube_exchange(scene, mesh, options.hemicube_resolution, options.seed, rays);
+  return analytic_exchange(mesh, scene.caster(), method, options.seed, rays);
 }
 
 // Everything of the balance: form factors by `method`, enforced, and direct irradiance.
@@ -140,9 +156,7 @@ Balance assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& 
   stats.rays += survey.rays;
   mesh.expose(survey.exposed);
   for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.area.push_back(mesh.area(i));
-  balance.exchange = method == FormFactorMethod::rays
-                         ? exchange_from_landings(survey, mesh)
-                         : analytic_exchange(mesh, scene.caster(), method, options.seed, stats.rays);
+  balance.exchange = exchange_by(method, scene, mesh, survey, options, stats.rays);
   const bool all_elements = survey.is_closed() && survey.met_black == 0 && survey.met_lamp == 0;
   DirectIrradiance direct = direct_irradiance(scene, mesh, method, all_elements, options.seed, stats.rays);
   Enforcement(survey, balance.area, method).apply(balance.exchange, direct.exchange_with_lamps, stats);
@@ -181,6 +195,8 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
       options.form_factors == FormFactorMethod::automatic || options.form_factors == FormFactorMethod::rays;
   choice.method = by_rays ? FormFactorMethod::rays : options.form_factors;
   choice.solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
+  if (options.overshoot && choice.solver != Solver::progressive)
+    throw Error("overshoot", "only the solver progressive shoots", "use --solver progressive with it");
   choice.max_elements = by_rays ? default_elements_rays(scene) : default_elements_analytic;
   if (choice.solver == Solver::lu)
     choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
@@ -193,7 +209,7 @@ std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const Ra
                                  const Choice& choice, RadiosityStats& stats) {
   const Balance balance = assemble(scene, mesh, options, choice.method, stats);
   const SolverResult result =
-      run_solver(choice.solver, balance, options.relative_error, options.max_reflections);
+      run_solver(choice.solver, balance, options);
   std::vector<Irradiance> irradiance(mesh.count());
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i] = {C3f(balance.direct[i]), C3f(result.irradiance[i])};

@@ -97,6 +97,7 @@ TEST(FormFactorTable, OfConcentricSpheres) {
 TEST(FormFactorTable, SaysWhatItCannotDo) {
   EXPECT_THROW(table_of(test::concentric_spheres(0.5f), {.method = FormFactorMethod::exact}), Error);
   EXPECT_THROW(table_of(test::lit_cube(0.5f), {.method = FormFactorMethod::rays, .occlusion = false}), Error);
+  EXPECT_THROW(table_of(test::lit_cube(0.5f), {.method = FormFactorMethod::hemicube}), Error);
   EXPECT_TRUE(table_of({}).F.empty());
 }
 

@@ -14,11 +14,14 @@ RadiosityOptions options_for(FormFactorMethod method, std::size_t elements, doub
   options.form_factors = method;
   options.max_elements = elements;
   options.relative_error = error;
+  options.hemicube_resolution = 16;
   return options;
 }
 
 constexpr FormFactorMethod methods[] = {FormFactorMethod::exact, FormFactorMethod::point,
-                                        FormFactorMethod::rays};
+                                        FormFactorMethod::hemicube, FormFactorMethod::rays};
+constexpr Solver all_solvers[] = {Solver::lu, Solver::jacobi, Solver::gauss_seidel, Solver::progressive,
+                                  Solver::cg};
 
 void expect_sane(const Solution& solution) {
   for (const Irradiance& irradiance : solution.irradiances())
@@ -59,14 +62,24 @@ TEST(Solution, OtherSeedsOtherNoise) {
 TEST(Solution, AllSolversAgreeOnTheSameBalance) {
   const Scene scene(test::lit_room());
   std::vector<Solution> solution;
-  for (const Solver solver : {Solver::lu, Solver::gauss_seidel, Solver::progressive}) {
-    RadiosityOptions options = options_for(FormFactorMethod::rays, 500, 1e-5);
+  RadiosityOptions options = options_for(FormFactorMethod::rays, 500, 1e-5);
+  options.rays_per_element = 256;
+  for (const Solver solver : all_solvers) {
     options.solver = solver;
+    solution.push_back(solve_radiosity(scene, options));
+    EXPECT_EQ(solution.back().stats().solver, name_of_value<Solver>(solver_names, solver));
+    EXPECT_LE(solution.back().stats().error_bound, 1e-6);
+  }
+  options.solver = Solver::progressive;
+  for (const bool overshoot : {false, true}) {
+    options.overshoot = overshoot;
     solution.push_back(solve_radiosity(scene, options));
     EXPECT_LE(solution.back().stats().error_bound, 1e-6);
   }
+  const std::size_t last = solution.size() - 1;
+  EXPECT_LT(solution[last].stats().iterations, solution[last - 1].stats().iterations);
   for (std::size_t i = 0; i < solution[0].irradiances().size(); ++i)
-    for (const std::size_t other : {1, 2})
+    for (std::size_t other = 1; other <= last; ++other)
       EXPECT_NEAR(solution[other].irradiances()[i].indirect.x, solution[0].irradiances()[i].indirect.x,
                   2e-3 * solution[0].irradiances()[i].indirect.x);
 }
@@ -104,7 +117,7 @@ TEST(Solution, DarkEmptyAndDegenerateScenesAreNoTrouble) {
   flat.triangles = {{0, 1, 2}};
   test::add_diffuse(lone, "flat", flat, C3f(0.5f), C3f(1.0f));
   for (const FormFactorMethod method : methods)
-    for (const Solver solver : {Solver::lu, Solver::gauss_seidel, Solver::progressive}) {
+    for (const Solver solver : all_solvers) {
       RadiosityOptions options = options_for(method, 50);
       options.solver = solver;
       const Scene scene(lone);
@@ -133,6 +146,15 @@ TEST(Solution, RefusesTooManyElementsForItsMethods) {
   EXPECT_THROW(solve_radiosity(scene, options), Error);
   options.max_elements = 0;
   EXPECT_LE(solve_radiosity(scene, options).stats().elements, 3000u);
+}
+
+TEST(Solution, OnlyShootingOvershoots) {
+  const Scene scene(test::lit_cube(0.5f));
+  RadiosityOptions options = options_for(FormFactorMethod::rays, 100);
+  options.overshoot = true;
+  EXPECT_THROW(solve_radiosity(scene, options), Error);
+  options.solver = Solver::progressive;
+  EXPECT_LE(solve_radiosity(scene, options).stats().error_bound, 1e-5);
 }
 
 TEST(Solution, StatsTellWhatWasDone) {
