@@ -14,15 +14,15 @@ namespace twopass {
 /// How form factors are found. All methods estimate the same numbers.
 enum class FormFactorMethod {
   automatic,
-  exact,  ///< analytic area to area, times the visible fraction; work and memory grow with elements squared
-  point,  ///< analytic from the element's centroid to areas, times the visible fraction; likewise
-  rays,   ///< cosine-distributed rays; work grows with the elements
+  exact,     ///< analytic area to area, times the visible fraction; work and memory grow with elements squared
+  point,     ///< analytic from the element's centroid to areas, times the visible fraction; likewise
+  hemicube,  ///< hemicube at the element's centroid (Cohen & Greenberg 1985); exact to image precision
+  rays,      ///< cosine-distributed rays; work grows with the elements
 };
 
 inline constexpr Named<FormFactorMethod> form_factor_method_names[] = {
-    {"auto", FormFactorMethod::automatic},
-    {"exact", FormFactorMethod::exact},
-    {"point", FormFactorMethod::point},
+    {"auto", FormFactorMethod::automatic}, {"exact", FormFactorMethod::exact},
+    {"point", FormFactorMethod::point},    {"hemicube", FormFactorMethod::hemicube},
     {"rays", FormFactorMethod::rays},
 };
 

@@ -1,0 +1,37 @@
+// Power exchange between two triangles past other triangles: what stands in the way is cut out exactly.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "radiosity/polygon.h"
+#include "radiosity/shaft.h"
+
+namespace twopass {
+
+/// Triangles, each of which hides what is behind either of its sides.
+class Blockers {
+ public:
+  /// REQUIRES: no degenerate triangles.
+  explicit Blockers(std::vector<Polygon> triangles);
+
+  /// Whether nothing at all reaches between the fronts of two polygons: then all of their exchange is visible.
+  [[nodiscard]] bool none_between(const Polygon& a, const Polygon& b) const;
+
+  /// A_a F_ab = A_b F_ba between the fronts of two triangles, past all blockers (R26), in units of area.
+  /// `unoccluded` is what they exchange without any. The error is about `accuracy` times `unoccluded`; pairs
+  /// with nothing between them come back as they are. Blockers that lie in the plane of a or b, touch it or
+  /// share its edges are allowed; a and b may be blockers themselves. Deterministic.
+  [[nodiscard]] double visible_exchange(const Polygon& a, const Polygon& b, double unoccluded,
+                                        double accuracy) const;
+
+ private:
+  friend class PairInSight;
+  std::vector<Polygon> triangle_;
+  std::vector<V3d> area_vector_;
+  std::vector<Imath::Box3d> bounds_;
+  double rounding_ = 0.0;  // the distance that coordinates cannot tell from 0
+};
+
+}  // namespace twopass

@@ -1,0 +1,1 @@
+#include "radiosity/hemicube_pixels.h"

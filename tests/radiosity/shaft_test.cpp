@@ -1,0 +1,1 @@
+#include "radiosity/shaft.h"
