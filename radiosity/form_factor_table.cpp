@@ -20,26 +20,45 @@ namespace {
 constexpr std::size_t most_triangles_in_pairs = 4096;    // their pairs take minutes, longer where things hide
 constexpr std::size_t most_triangles_automatic = 512;    // and these seconds
 constexpr std::size_t most_triangles_as_control = 1024;  // seconds, too: nothing is hidden from a control
-constexpr double accuracy_in_sight = 1e-10, accuracy_past_blockers = 1e-4;
+constexpr double accuracy_in_sight = 1e-10, accuracy_past_blockers = 3e-4;
 
 ExchangeTable empty_table(std::size_t rows, std::size_t columns) {
   return ExchangeTable(rows, std::vector<double>(columns, 0.0));
 }
 
-Blockers blockers_of(const ShapeFronts& fronts) {
-  std::vector<Polygon> triangles;
-  for (const Patch& patch : fronts.patch) triangles.push_back(patch.polygon());
-  return Blockers(std::move(triangles));
+// What the methods `exact` and `point` take pairs of.
+struct Surfaces {
+  std::vector<Polygon> polygon;
+  std::vector<std::uint32_t> shape;  // of each polygon
+};
+
+// Triangles, or where whole polygons will do these.
+Surfaces surfaces_of(const ShapeFronts& fronts, bool join) {
+  Surfaces surfaces;
+  for (std::uint32_t s = 0; s < fronts.shapes(); ++s) {
+    std::vector<Polygon> polygons;
+    for (const Patch& patch : fronts.patches_of(s)) polygons.push_back(patch.polygon());
+    if (join) polygons = join_triangles(polygons);
+    surfaces.polygon.insert(surfaces.polygon.end(), polygons.begin(), polygons.end());
+    surfaces.shape.resize(surfaces.polygon.size(), s);
+  }
+  return surfaces;
 }
 
-// The methods `exact` and `point` for one pair of triangles.
-class PairOfTriangles {
+// The methods `exact` and `point` for one pair of polygons.
+class PairOfPolygons {
  public:
-  PairOfTriangles(const Scene& scene, const ShapeFronts& fronts, const FormFactorOptions& options)
-      : scene_(scene), fronts_(fronts), options_(options), blockers_(blockers_of(fronts)) {}
+  PairOfPolygons(const Scene& scene, const ShapeFronts& fronts, const FormFactorOptions& options)
+      : scene_(scene),
+        fronts_(fronts),
+        options_(options),
+        surfaces_(surfaces_of(fronts, options.method == FormFactorMethod::exact)),
+        blockers_(surfaces_.polygon) {}
+
+  [[nodiscard]] const Surfaces& surfaces() const { return surfaces_; }
 
   [[nodiscard]] double exchange(std::size_t i, std::size_t j) const {
-    const Polygon a = fronts_.patch[i].polygon(), b = fronts_.patch[j].polygon();
+    const Polygon &a = surfaces_.polygon[i], &b = surfaces_.polygon[j];
     const bool exact = options_.method == FormFactorMethod::exact;
     const double unoccluded =
         exact ? exchange_exact(a, b, accuracy_in_sight) : 0.5 * (exchange_point(a, b) + exchange_point(b, a));
@@ -49,6 +68,7 @@ class PairOfTriangles {
   }
 
  private:
+  // For `point`, whose polygons are the fronts' triangles.
   [[nodiscard]] double fraction_by_rays(std::size_t i, std::size_t j) const {
     constexpr std::uint32_t pairs_of_points = 64;
     const std::uint64_t key = hash_words(options_.seed, static_cast<std::uint32_t>(i));
@@ -62,27 +82,28 @@ class PairOfTriangles {
   const Scene& scene_;
   const ShapeFronts& fronts_;
   const FormFactorOptions& options_;
+  Surfaces surfaces_;
   Blockers blockers_;
 };
 
 ExchangeTable pair_exchanges(const Scene& scene, const ShapeFronts& fronts, const FormFactorOptions& options) {
-  const std::size_t shapes = fronts.shapes(), patches = fronts.patch.size();
-  const PairOfTriangles pair(scene, fronts, options);
-  // What each patch exchanges with each shape: written by one thread each, added up in order.
-  ExchangeTable by_patch = empty_table(patches, shapes);
-  parallel_for(patches, 1, [&](std::size_t begin, std::size_t end) {
+  const PairOfPolygons pair(scene, fronts, options);
+  const std::vector<std::uint32_t>& shape = pair.surfaces().shape;
+  const std::size_t shapes = fronts.shapes(), polygons = shape.size();
+  // What each polygon exchanges with each shape: written by one thread each, added up in order.
+  ExchangeTable by_polygon = empty_table(polygons, shapes);
+  parallel_for(polygons, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t j = i + 1; j < patches; ++j) {
+      for (std::size_t j = i + 1; j < polygons; ++j) {
         throw_if_interrupted();
-        by_patch[i][fronts.shape[j]] += pair.exchange(i, j);
+        by_polygon[i][shape[j]] += pair.exchange(i, j);
       }
   });
   ExchangeTable exchange = empty_table(shapes, shapes);
-  for (std::size_t i = 0; i < patches; ++i)
+  for (std::size_t i = 0; i < polygons; ++i)
     for (std::size_t s = 0; s < shapes; ++s) {
-      const std::uint32_t own = fronts.shape[i];
-      exchange[own][s] += by_patch[i][s];
-      exchange[s][own] += by_patch[i][s];  // for s == own both ways are in one entry
+      exchange[shape[i]][s] += by_polygon[i][s];
+      exchange[s][shape[i]] += by_polygon[i][s];  // for s == shape[i] both ways are in one entry
     }
   return exchange;
 }

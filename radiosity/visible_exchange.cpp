@@ -19,78 +19,94 @@ struct InTheWay {
   Polygon part;
 };
 
-// A polygon cut by a plane; vertices within `rounding` of it belong to both sides.
-struct Halves {
-  Polygon inside, outside;
+// A convex polygon with room for the cuts of one shadow.
+struct Region {
+  static constexpr int capacity = 12;
+  std::array<V3d, capacity> v;
+  int n = 0;
 };
 
-Halves cut(const Polygon& polygon, const V3d& point, const V3d& unit_normal, double rounding) {
-  std::array<double, Polygon::capacity> height;
+// What a polygon hides from a point: inside of all these planes.
+struct Shadow {
+  struct Plane {
+    V3d point, normal;  // unit
+    [[nodiscard]] double height(const V3d& p) const { return normal.dot(p - point); }
+  };
+  std::array<Plane, 5> plane;
+  int planes = 0;
+
+  // REQUIRES: p is not in the polygon's plane; at most four corners.
+  Shadow(const V3d& p, const Polygon& polygon, const V3d& unit_normal) {
+    const double side = unit_normal.dot(p - polygon.v[0]) > 0.0 ? -1.0 : 1.0;
+    plane[planes++] = {polygon.v[0], unit_normal * side};
+    for (int k = 0; k < polygon.n; ++k)
+      plane[planes++] = {p, accurate_cross(polygon.v[k] - p, polygon.next(k) - p).normalized() * side};
+  }
+  // Whether some plane has all of a polygon outside; false also for some that are.
+  [[nodiscard]] bool clearly_misses(const Polygon& polygon, double rounding) const {
+    for (int k = 0; k < planes; ++k) {
+      bool outside = true;
+      for (int i = 0; i < polygon.n && outside; ++i) outside = plane[k].height(polygon.v[i]) <= rounding;
+      if (outside) return true;
+    }
+    return false;
+  }
+};
+constexpr int most_corners = 4;  // of a piece
+static_assert(most_corners + 5 + 1 <= Region::capacity);
+
+// A region cut by a plane; vertices within `rounding` of it belong to both sides.
+struct Halves {
+  Region inside, outside;
+};
+
+void cut(const Region& region, const Shadow::Plane& plane, double rounding, Halves& halves) {
+  std::array<double, Region::capacity> height;
   bool any_inside = false, any_outside = false;
-  for (int i = 0; i < polygon.n; ++i) {
-    height[i] = unit_normal.dot(polygon.v[i] - point);
+  for (int i = 0; i < region.n; ++i) {
+    height[i] = plane.height(region.v[i]);
     if (std::abs(height[i]) <= rounding) height[i] = 0.0;
     any_inside |= height[i] > 0.0;
     any_outside |= height[i] < 0.0;
   }
-  if (!any_inside) return {{}, polygon};
-  if (!any_outside) return {polygon, {}};
-  Halves halves;
+  Region &inside = halves.inside, &outside = halves.outside;
+  inside.n = outside.n = 0;
+  if (!any_inside || !any_outside) {
+    (any_inside ? inside : outside) = region;
+    return;
+  }
   int crossings = 0;
-  for (int i = 0; i < polygon.n; ++i) {
-    const int j = i + 1 == polygon.n ? 0 : i + 1;
-    if (height[i] >= 0.0) halves.inside.v[halves.inside.n++] = polygon.v[i];
-    if (height[i] <= 0.0) halves.outside.v[halves.outside.n++] = polygon.v[i];
+  for (int i = 0; i < region.n; ++i) {
+    const int j = i + 1 == region.n ? 0 : i + 1;
+    if (height[i] >= 0.0) inside.v[inside.n++] = region.v[i];
+    if (height[i] <= 0.0) outside.v[outside.n++] = region.v[i];
     if ((height[i] > 0.0 && height[j] < 0.0) || (height[i] < 0.0 && height[j] > 0.0)) {
-      if (++crossings > 2) continue;  // a convex polygon has two; more come from rounding alone
-      const V3d crossing = polygon.v[i] + (polygon.v[j] - polygon.v[i]) * (height[i] / (height[i] - height[j]));
-      halves.inside.v[halves.inside.n++] = crossing;
-      halves.outside.v[halves.outside.n++] = crossing;
+      if (++crossings > 2) continue;  // a convex region has two; more come from rounding alone
+      const V3d crossing = region.v[i] + (region.v[j] - region.v[i]) * (height[i] / (height[i] - height[j]));
+      inside.v[inside.n++] = outside.v[outside.n++] = crossing;
     }
   }
-  if (halves.inside.n < 3) return {{}, polygon};
-  if (halves.outside.n < 3) return {polygon, {}};
-  return halves;
+  if (inside.n < 3) inside.n = 0;
+  if (outside.n < 3) outside.n = 0;
 }
 
-// Pieces of at most four corners: each of the four cuts of a shadow adds one.
-constexpr int most_corners = 4;
-static_assert(most_corners + 4 <= Polygon::capacity);
+Region region_of(const Polygon& polygon) {
+  Region region;
+  region.n = polygon.n;
+  std::copy_n(polygon.v.begin(), polygon.n, region.v.begin());
+  return region;
+}
 
-void add_in_pieces(const Polygon& polygon, std::vector<Polygon>& pieces) {
+template <class AnyPolygon>
+void add_in_pieces(const AnyPolygon& polygon, std::vector<Polygon>& pieces) {
   for (int first = 1; first + 1 < polygon.n; first += most_corners - 2) {
-    Polygon piece;
+    Polygon& piece = pieces.emplace_back();
     piece.v[piece.n++] = polygon.v[0];
     for (int i = first; i < polygon.n && piece.n < most_corners; ++i) piece.v[piece.n++] = polygon.v[i];
-    pieces.push_back(piece);
   }
 }
 
-// What a triangle hides from a point: inside of four planes.
-struct Shadow {
-  struct Plane {
-    V3d point, normal;  // unit
-  };
-  std::array<Plane, 4> plane;
-
-  // REQUIRES: p is not in the triangle's plane.
-  Shadow(const V3d& p, const Polygon& triangle, const V3d& area_vector) {
-    const double side = area_vector.dot(p - triangle.v[0]) > 0.0 ? -1.0 : 1.0;
-    plane[0] = {triangle.v[0], area_vector.normalized() * side};
-    for (int k = 0; k < 3; ++k)
-      plane[k + 1] = {p, accurate_cross(triangle.v[k] - p, triangle.next(k) - p).normalized() * side};
-  }
-  [[nodiscard]] bool falls_on(const Polygon& polygon, double rounding) const {
-    Polygon rest = polygon;
-    for (const Plane& k : plane) {
-      rest = cut(rest, k.point, k.normal, rounding).inside;
-      if (rest.empty()) return false;
-    }
-    return true;
-  }
-};
-
-// What a point sees of a polygon: convex pieces, fewer after every shadow.
+// What a point sees of a polygon: convex pieces, more and smaller ones after every shadow.
 class View {
  public:
   void begin(const Polygon& source) {
@@ -107,8 +123,13 @@ class View {
   // Takes away what lies in a shadow. False: nothing did.
   bool subtract(const Shadow& shadow, double rounding) {
     bool changed = false;
+    const std::size_t pieces = pieces_.size();
     kept_.clear();
-    for (const Polygon& piece : pieces_) changed |= subtract_from(piece, shadow, rounding);
+    for (std::size_t i = 0; i < pieces; ++i)
+      if (shadow.clearly_misses(pieces_[i], rounding))
+        kept_.push_back(pieces_[i]);
+      else
+        changed |= subtract_from(pieces_[i], shadow, rounding);
     if (changed) std::swap(pieces_, kept_);
     return changed;
   }
@@ -117,21 +138,23 @@ class View {
   // Keeps what is outside of one of the planes. False: the piece is wholly outside.
   bool subtract_from(const Polygon& piece, const Shadow& shadow, double rounding) {
     const std::size_t before = kept_.size();
-    Polygon rest = piece;
-    for (const Shadow::Plane& plane : shadow.plane) {
-      const Halves halves = cut(rest, plane.point, plane.normal, rounding);
-      if (halves.inside.empty()) {
+    rest_ = region_of(piece);
+    for (int k = 0; k < shadow.planes; ++k) {
+      cut(rest_, shadow.plane[k], rounding, halves_);
+      if (halves_.inside.n == 0) {
         kept_.resize(before);
         kept_.push_back(piece);
         return false;
       }
-      if (!halves.outside.empty()) add_in_pieces(halves.outside, kept_);
-      rest = halves.inside;
+      if (halves_.outside.n > 0) add_in_pieces(halves_.outside, kept_);
+      rest_ = halves_.inside;
     }
     return true;
   }
 
   std::vector<Polygon> pieces_, kept_;
+  Region rest_;
+  Halves halves_;
 };
 
 double radius_of(const Polygon& polygon) { return polygon_radius(polygon, polygon_centroid(polygon)); }
@@ -181,13 +204,13 @@ class PairInSight {
     const Shaft shaft(a, b, blockers_.rounding_);
     const auto consider = [&](std::uint32_t blocker) {
       if (!shaft.bounds().intersects(blockers_.bounds_[blocker])) return;
-      const Polygon part = shaft.part_inside(blockers_.triangle_[blocker]);
+      const Polygon part = shaft.part_inside(blockers_.polygon_[blocker]);
       if (!part.empty()) found.push_back({blocker, part});
     };
     if (among)
       for (const InTheWay& candidate : *among) consider(candidate.blocker);
     else
-      for (std::uint32_t i = 0; i < blockers_.triangle_.size(); ++i) consider(i);
+      for (std::uint32_t i = 0; i < blockers_.polygon_.size(); ++i) consider(i);
     return found;
   }
 
@@ -206,13 +229,13 @@ class PairInSight {
     std::vector<Polygon> parts{receiver}, next;
     for (const InTheWay& between : in_the_way) {
       if (clearance(receiver, {between}) > 1e-3 || parts.size() > most_parts) continue;
-      const Polygon& blocker = blockers_.triangle_[between.blocker];
-      const V3d normal = blockers_.area_vector_[between.blocker].normalized();
+      const Shadow::Plane plane{blockers_.polygon_[between.blocker].v[0], blockers_.normal_[between.blocker]};
       next.clear();
+      Halves halves;
       for (const Polygon& part : parts) {
-        const Halves halves = cut(part, blocker.v[0], normal, blockers_.rounding_);
-        for (const Polygon& half : {halves.inside, halves.outside})
-          if (!half.empty()) add_in_pieces(half, next);
+        cut(region_of(part), plane, blockers_.rounding_, halves);
+        add_in_pieces(halves.inside, next);
+        add_in_pieces(halves.outside, next);
       }
       std::swap(parts, next);
     }
@@ -263,13 +286,14 @@ class PairInSight {
     bool changed = false;
     for (std::size_t i = 0; i < pair.in_the_way.size(); ++i) {
       if (view_.empty() && seen_[i]) continue;
-      const Polygon& blocker = blockers_.triangle_[pair.in_the_way[i].blocker];
-      const V3d& area_vector = blockers_.area_vector_[pair.in_the_way[i].blocker];
-      if (area_vector.dot(p - blocker.v[0]) == 0.0) continue;
-      const Shadow shadow(p, blocker, area_vector);
-      changed |= view_.subtract(shadow, blockers_.rounding_);
+      const Polygon& blocker = blockers_.polygon_[pair.in_the_way[i].blocker];
+      const V3d& blocker_normal = blockers_.normal_[pair.in_the_way[i].blocker];
+      if (blocker_normal.dot(p - blocker.v[0]) == 0.0) continue;
+      const Shadow shadow(p, blocker, blocker_normal);
+      if (shadow.clearly_misses(pair.source, blockers_.rounding_)) continue;
       // Seen even where others hide the same.
-      if (!seen_[i]) seen_[i] = shadow.falls_on(pair.source, blockers_.rounding_);
+      seen_[i] = true;
+      changed |= view_.subtract(shadow, blockers_.rounding_);
     }
     return changed ? view_.form_factor(p, normal) : unoccluded;
   }
@@ -313,12 +337,12 @@ class PairInSight {
   std::vector<bool> seen_;
 };
 
-Blockers::Blockers(std::vector<Polygon> triangles) : triangle_(std::move(triangles)) {
+Blockers::Blockers(std::vector<Polygon> polygons) : polygon_(std::move(polygons)) {
   double largest = 0.0;
-  for (const Polygon& triangle : triangle_) {
-    area_vector_.push_back(polygon_area_vector(triangle));
-    bounds_.push_back(bounds_of(triangle));
-    largest = std::max(largest, largest_coordinate(triangle));
+  for (const Polygon& polygon : polygon_) {
+    normal_.push_back(polygon_area_vector(polygon).normalized());
+    bounds_.push_back(bounds_of(polygon));
+    largest = std::max(largest, largest_coordinate(polygon));
   }
   rounding_ = 64.0 * std::numeric_limits<double>::epsilon() * largest;
 }
@@ -332,6 +356,40 @@ bool Blockers::none_between(const Polygon& a, const Polygon& b) const {
 double Blockers::visible_exchange(const Polygon& a, const Polygon& b, double unoccluded,
                                   double accuracy) const {
   return unoccluded > 0.0 ? PairInSight(*this).exchange(a, b, unoccluded, accuracy) : 0.0;
+}
+
+namespace {
+
+// The quadrilateral that two triangles with a common edge make up, if it is flat and convex.
+std::optional<Polygon> joined(const Polygon& s, const Polygon& t) {
+  constexpr double straight = 1e-9;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (s.v[i] != t.next(j) || s.next(i) != t.v[j]) continue;
+      const Polygon quad = make_polygon(s.v[i], t.v[(j + 2) % 3], s.next(i), s.v[(i + 2) % 3]);
+      const V3d normal = polygon_area_vector(s).normalized();
+      for (int k = 0; k < 4; ++k) {
+        const V3d before = quad.next(k) - quad.v[k], after = quad.v[(k + 2) % 4] - quad.next(k);
+        if (before.cross(after).dot(normal) <= straight * before.length() * after.length()) return std::nullopt;
+      }
+      return are_coplanar(s, t) ? std::optional(quad) : std::nullopt;
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Polygon> join_triangles(std::span<const Polygon> triangles) {
+  std::vector<Polygon> polygons;
+  for (const Polygon& triangle : triangles) {
+    const std::optional<Polygon> quad =
+        !polygons.empty() && polygons.back().n == 3 ? joined(polygons.back(), triangle) : std::nullopt;
+    if (quad)
+      polygons.back() = *quad;
+    else
+      polygons.push_back(triangle);
+  }
+  return polygons;
 }
 
 }  // namespace twopass
