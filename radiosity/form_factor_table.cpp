@@ -18,7 +18,7 @@ namespace twopass {
 namespace {
 
 constexpr std::size_t most_triangles_in_pairs = 4096;    // their pairs take minutes, longer where things hide
-constexpr std::size_t most_triangles_automatic = 512;    // and these seconds
+constexpr std::size_t most_triangles_automatic = 256;    // and these seconds
 constexpr std::size_t most_triangles_as_control = 1024;  // seconds, too: nothing is hidden from a control
 constexpr double accuracy_in_sight = 1e-10, accuracy_past_blockers = 3e-4;
 
