@@ -220,12 +220,17 @@ FormFactorMethod choose_method(const ShapeFronts& fronts, const FormFactorOption
   return options.method;
 }
 
-std::uint32_t rays_of_a_shape(const FormFactorOptions& options, std::size_t shapes) {
-  if (options.method != FormFactorMethod::rays)  // only to find out whether the scene is closed
-    return static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / shapes, 64, 8192));
+std::uint32_t chosen_rays(const FormFactorOptions& options, std::size_t shapes) {
   if (options.rays) return options.rays;
   // Four million in all, but enough for two digits and not more than three digits need.
   return static_cast<std::uint32_t>(std::clamp<std::size_t>((std::size_t{1} << 22) / shapes, 1 << 13, 1 << 20));
+}
+
+// Whether the scene is closed, by test rays, unless there are as many rays already.
+bool is_closed(const Scene& scene, const ShapeFronts& fronts, const ShapeRayCounts& counts,
+               std::uint32_t seed) {
+  const auto tests = static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / fronts.shapes(), 64, 8192));
+  return counts.rays >= tests ? counts.closed() : count_shape_rays(scene, fronts, tests, false, seed).closed();
 }
 
 double closure_error(const ExchangeTable& exchange, std::span<const double> area) {
@@ -246,13 +251,16 @@ void fill_in(FormFactorTable& table, const Scene& scene, const FormFactorOptions
   options.method = table.method = choose_method(fronts, options);
   table.areas = fronts.area;
   table.degenerate_triangles = fronts.degenerate;
-  const bool rays = options.method == FormFactorMethod::rays;
-  const ShapeRayCounts counts =
-      count_shape_rays(scene, fronts, rays_of_a_shape(options, fronts.shapes()), rays, options.seed);
-  table.closed = counts.closed();
-  table.F = rays                                           ? ray_exchanges(scene, fronts, options, counts)
-            : options.method == FormFactorMethod::hemicube ? hemicube_exchanges(scene, fronts, options)
-                                                           : pair_exchanges(scene, fronts, options);
+  ShapeRayCounts counts;
+  if (options.method == FormFactorMethod::rays) {
+    counts = count_shape_rays(scene, fronts, chosen_rays(options, fronts.shapes()), true, options.seed);
+    table.F = ray_exchanges(scene, fronts, options, counts);
+  } else if (options.method == FormFactorMethod::hemicube) {
+    table.F = hemicube_exchanges(scene, fronts, options);
+  } else {
+    table.F = pair_exchanges(scene, fronts, options);
+  }
+  table.closed = is_closed(scene, fronts, counts, options.seed);
   table.closure_error_before = closure_error(table.F, fronts.area);
   if (options.occlusion) {
     if (table.closed)

@@ -264,6 +264,17 @@ TEST(FormFactorTable, RaysHaveNoBiasAndLittleNoise) {
   EXPECT_LT(many.deviation, 1.05 * parallel * 0.5 / std::sqrt(128 * parallel));
 }
 
+// A few rays for the factors do not decide whether a room with a small window is closed.
+TEST(FormFactorTable, SmallOpeningsAreNoticed) {
+  SceneDescription scene = test::lit_cube(0.5f);
+  for (V3f& p : std::get<Mesh>(scene.shapes[1].geometry).positions) p.y *= 0.99f;
+  for (const FormFactorMethod method : methods) {
+    const FormFactorTable table = table_of(scene, {.method = method, .rays = 2, .hemicube_resolution = 16});
+    EXPECT_FALSE(table.closed);
+    EXPECT_GT(table.closure_error, 1e-4);
+  }
+}
+
 TEST(FormFactorTable, WithoutOcclusionRaysGoThroughEverything) {
   SceneDescription scene = test::plates(1.0f, 0.5f);
   test::add_diffuse(scene, "screen", test::quad(V3f(-9, -9, 0.5f), V3f(19, 0, 0), V3f(0, 19, 0)), C3f(0.0f));

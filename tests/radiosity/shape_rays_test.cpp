@@ -87,6 +87,17 @@ TEST(ShapeExchange, OfSpheres) {
     }
 }
 
+// A small surface that faces a sphere at twice its radius: (R / d)^2.
+TEST(ShapeExchange, OfASphereAndAnElement) {
+  SceneDescription description;
+  test::add_diffuse(description, "element", test::quad(V3f(0.0f), V3f(0x1p-12f, 0, 0), V3f(0, 0x1p-12f, 0)),
+                    C3f(0.5f));
+  test::add_diffuse(description, "ball", Sphere{V3f(0, 0, 2), 1.0f, false}, C3f(0.5f));
+  const Scene scene(description);
+  const ShapeFronts fronts = collect_fronts(scene);
+  EXPECT_NEAR(*unoccluded_exchange(scene, fronts, 0, 1, 1e-10) / fronts.area[0], 0.25, 1e-7);
+}
+
 TEST(ShapeExchange, IsUnknownWhereASphereIsPartlyInView) {
   SceneDescription description = test::plates(1.0f, 0.5f);
   test::add_diffuse(description, "sunk", Sphere{V3f(0.5f, 0.5f, 0.1f), 0.2f, false}, C3f(0.5f));
