@@ -226,11 +226,12 @@ std::uint32_t chosen_rays(const FormFactorOptions& options, std::size_t shapes) 
   return static_cast<std::uint32_t>(std::clamp<std::size_t>((std::size_t{1} << 22) / shapes, 1 << 13, 1 << 20));
 }
 
-// Whether the scene is closed, by test rays, unless there are as many rays already.
+// Whether the scene is closed: by the rays that there are and, if they are few, by test rays.
 bool is_closed(const Scene& scene, const ShapeFronts& fronts, const ShapeRayCounts& counts,
                std::uint32_t seed) {
   const auto tests = static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / fronts.shapes(), 64, 8192));
-  return counts.rays >= tests ? counts.closed() : count_shape_rays(scene, fronts, tests, false, seed).closed();
+  if (counts.rays > 0 && !counts.closed()) return false;
+  return counts.rays >= tests || count_shape_rays(scene, fronts, tests, false, seed).closed();
 }
 
 double closure_error(const ExchangeTable& exchange, std::span<const double> area) {

@@ -127,16 +127,16 @@ TEST(FormFactorTable, NeitherTheUnitNorTheOriginMatters) {
       EXPECT_EQ(scaled.F, original.F);
       EXPECT_EQ(scaled.areas[0], original.areas[0] * double(scale) * double(scale));
     }
-    // A room of 16 bits: moved by 128 of its sizes, floats still hold it.
+    // A room of 10 bits: moved by about ten thousand of its sizes, floats still hold it.
     const auto snapped = [&](const V3f& offset) {
       SceneDescription coarse = room;
       for (Shape& shape : coarse.shapes)
         for (V3f& p : std::get<Mesh>(shape.geometry).positions)
           for (int axis = 0; axis < 3; ++axis)
-            p[axis] = std::round(p[axis] * 0x1p16f) * 0x1p-16f + offset[axis];
+            p[axis] = std::round(p[axis] * 0x1p10f) * 0x1p-10f + offset[axis];
       return coarse;
     };
-    EXPECT_EQ(table_of(snapped(V3f(128, 64, 100)), options).F, table_of(snapped(V3f(0.0f)), options).F);
+    EXPECT_EQ(table_of(snapped(V3f(8192, 4096, 16000)), options).F, table_of(snapped(V3f(0.0f)), options).F);
   }
 }
 
