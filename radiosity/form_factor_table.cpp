@@ -1,236 +1,291 @@
 #include "radiosity/form_factor_table.h"
 
-#include "radiosity/enforce.h"
+#include "radiosity/centred_scene.h"
 #include "radiosity/form_factor_pair.h"
+#include "radiosity/hemicube_pixels.h"
+#include "radiosity/shape_exchange.h"
+#include "radiosity/shape_rays.h"
+#include "radiosity/table_closure.h"
 #include "radiosity/visibility.h"
-#include "render/core/distribution.h"
+#include "radiosity/visible_exchange.h"
 #include "render/core/error.h"
+#include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/core/sampler.h"
-#include "render/core/warp.h"
 
 namespace twopass {
 
 namespace {
 
-constexpr std::size_t most_triangles_exact = 2048;      // their pairs take minutes
-constexpr std::size_t most_triangles_automatic = 1024;  // and these seconds
+constexpr std::size_t most_triangles_in_pairs = 4096;    // their pairs take minutes, longer where things hide
+constexpr std::size_t most_triangles_automatic = 256;    // and these seconds
+constexpr std::size_t most_triangles_as_control = 1024;  // seconds, too: nothing is hidden from a control
+constexpr double accuracy_in_sight = 1e-10, accuracy_past_blockers = 3e-4;
 
-using Table = std::vector<std::vector<double>>;
+ExchangeTable empty_table(std::size_t rows, std::size_t columns) {
+  return ExchangeTable(rows, std::vector<double>(columns, 0.0));
+}
 
-// The fronts of all shapes, in pieces.
-struct Fronts {
-  std::vector<Patch> patch;
-  std::vector<std::uint32_t> shape;  // of each patch
-  std::vector<double> area;          // of each shape
-  bool has_spheres = false;
+// What the methods `exact` and `point` take pairs of.
+struct Surfaces {
+  std::vector<Polygon> polygon;
+  std::vector<std::uint32_t> shape;  // of each polygon
 };
 
-Fronts collect_fronts(const Scene& scene) {
-  Fronts fronts;
-  for (std::uint32_t s = 0; s < scene.shapes().size(); ++s) {
-    const std::size_t first = fronts.patch.size();
-    if (const auto* mesh = std::get_if<Mesh>(&scene.shapes()[s].geometry)) {
-      for (std::uint32_t i = 0; i < mesh->triangles.size(); ++i) {
-        const Patch patch = triangle_patch(*mesh, i, front);
-        if (patch.area > 0.0) fronts.patch.push_back(patch);
-      }
-    } else {
-      fronts.has_spheres = true;
-      for (std::uint32_t octant = 0; octant < 8; ++octant)
-        fronts.patch.push_back(
-            spherical_patch(std::get<Sphere>(scene.shapes()[s].geometry), octant_corners(octant), front));
-    }
-    double area = 0.0;
-    for (std::size_t i = first; i < fronts.patch.size(); ++i) area += fronts.patch[i].area;
-    fronts.area.push_back(area);
-    fronts.shape.resize(fronts.patch.size(), s);
+// Triangles, or where whole polygons will do these.
+Surfaces surfaces_of(const ShapeFronts& fronts, bool join) {
+  Surfaces surfaces;
+  for (std::uint32_t s = 0; s < fronts.shapes(); ++s) {
+    std::vector<Polygon> polygons;
+    for (const Patch& patch : fronts.patches_of(s)) polygons.push_back(patch.polygon());
+    if (join) polygons = join_triangles(polygons);
+    surfaces.polygon.insert(surfaces.polygon.end(), polygons.begin(), polygons.end());
+    surfaces.shape.resize(surfaces.polygon.size(), s);
   }
-  return fronts;
+  return surfaces;
 }
 
-std::array<Patch, 4> quarters(const Patch& whole) {
-  const auto& c = whole.corner;
-  const V3d m01 = (c[0] + c[1]) * 0.5, m12 = (c[1] + c[2]) * 0.5, m20 = (c[2] + c[0]) * 0.5;
-  std::array<Patch, 4> part{whole, whole, whole, whole};
-  part[0].corner = {c[0], m01, m20};
-  part[1].corner = {m01, c[1], m12};
-  part[2].corner = {m20, m12, c[2]};
-  part[3].corner = {m12, m20, m01};
-  for (Patch& p : part) p.area = 0.25 * whole.area;
-  return part;
-}
-
-// The exchange between two triangles, divided where they partly hide from each other.
-class VisibleExchange {
+// The methods `exact` and `point` for one pair of polygons.
+class PairOfPolygons {
  public:
-  // `probes`: pairs of points that must agree before two whole triangles count as fully visible or hidden.
-  VisibleExchange(const RayCaster& caster, std::uint32_t probes) : caster_(caster), probes_(probes) {}
+  PairOfPolygons(const Scene& scene, const ShapeFronts& fronts, const FormFactorOptions& options)
+      : scene_(scene),
+        fronts_(fronts),
+        options_(options),
+        surfaces_(surfaces_of(fronts, options.method == FormFactorMethod::exact)),
+        blockers_(surfaces_.polygon) {}
 
-  [[nodiscard]] double operator()(const Patch& a, const Patch& b, std::uint32_t key, int depth = 0) const {
-    constexpr int most_divisions = 6;
-    // Parts need fewer digits than the whole: visibility is the larger error then.
-    const double unoccluded = exchange_exact(a.polygon(), b.polygon(), depth == 0 ? 1e-10 : 1e-6);
-    if (!(unoccluded > 0.0)) return 0.0;
-    std::uint64_t rays = 0;
-    const std::uint32_t probes = std::max(16u, probes_ >> (2 * depth));
-    const double fraction = visible_fraction(caster_, a, b, key, probes, rays);
-    if (fraction == 0.0 || fraction == 1.0 || depth == most_divisions) return unoccluded * fraction;
-    double sum = 0.0;
-    const bool divide_a = a.area >= b.area;
-    std::uint32_t part_key = key;
-    for (const Patch& part : quarters(divide_a ? a : b)) {
-      part_key = hash_words(part_key, 1);
-      sum += divide_a ? (*this)(part, b, part_key, depth + 1) : (*this)(a, part, part_key, depth + 1);
-    }
-    return sum;
+  [[nodiscard]] const Surfaces& surfaces() const { return surfaces_; }
+
+  [[nodiscard]] double exchange(std::size_t i, std::size_t j) const {
+    const Polygon &a = surfaces_.polygon[i], &b = surfaces_.polygon[j];
+    const bool exact = options_.method == FormFactorMethod::exact;
+    const double unoccluded =
+        exact ? exchange_exact(a, b, accuracy_in_sight) : 0.5 * (exchange_point(a, b) + exchange_point(b, a));
+    if (!(unoccluded > 0.0) || !options_.occlusion) return unoccluded;
+    if (exact) return blockers_.visible_exchange(a, b, unoccluded, accuracy_past_blockers);
+    return blockers_.none_between(a, b) ? unoccluded : unoccluded * fraction_by_rays(i, j);
   }
 
  private:
-  const RayCaster& caster_;
-  std::uint32_t probes_;
+  // For `point`, whose polygons are the fronts' triangles.
+  [[nodiscard]] double fraction_by_rays(std::size_t i, std::size_t j) const {
+    constexpr std::uint32_t pairs_of_points = 64;
+    const std::uint64_t key = hash_words(options_.seed, static_cast<std::uint32_t>(i));
+    std::uint64_t rays = 0;
+    return visible_fraction(
+        scene_.caster(), fronts_.patch[i], fronts_.patch[j],
+        static_cast<std::uint32_t>(hash_words(static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(j))),
+        pairs_of_points, rays);
+  }
+
+  const Scene& scene_;
+  const ShapeFronts& fronts_;
+  const FormFactorOptions& options_;
+  Surfaces surfaces_;
+  Blockers blockers_;
 };
 
-double exchange_of_pair(const Patch& a, const Patch& b, const FormFactorOptions& options,
-                        const VisibleExchange& visible, const RayCaster& caster, std::uint32_t key) {
-  const bool exact = options.method == FormFactorMethod::exact;
-  if (exact && options.occlusion) return visible(a, b, key);
-  const Polygon pa = a.polygon(), pb = b.polygon();
-  if (exact) return exchange_exact(pa, pb, 1e-10);
-  const double unoccluded = 0.5 * (exchange_point(pa, pb) + exchange_point(pb, pa));
-  std::uint64_t rays = 0;
-  if (!(unoccluded > 0.0) || !options.occlusion) return unoccluded;
-  return unoccluded * visible_fraction(caster, a, b, key, 64, rays);
-}
-
-Table analytic_exchanges(const Scene& scene, const Fronts& fronts, const FormFactorOptions& options) {
-  const std::size_t shapes = fronts.area.size(), patches = fronts.patch.size();
-  const VisibleExchange visible(scene.caster(), patches <= 256 ? 1024 : 64);
-  // What each patch exchanges with each shape: written by one thread each, added up in order.
-  Table by_patch(patches, std::vector<double>(shapes, 0.0));
-  parallel_for(patches, 1, [&](std::size_t begin, std::size_t end) {
+ExchangeTable pair_exchanges(const Scene& scene, const ShapeFronts& fronts, const FormFactorOptions& options) {
+  const PairOfPolygons pair(scene, fronts, options);
+  const std::vector<std::uint32_t>& shape = pair.surfaces().shape;
+  const std::size_t shapes = fronts.shapes(), polygons = shape.size();
+  // What each polygon exchanges with each shape: written by one thread each, added up in order.
+  ExchangeTable by_polygon = empty_table(polygons, shapes);
+  parallel_for(polygons, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t j = i + 1; j < patches; ++j) {
-        const std::uint32_t key =
-            hash_words(hash_words(options.seed, static_cast<std::uint32_t>(i)), static_cast<std::uint32_t>(j));
-        by_patch[i][fronts.shape[j]] +=
-            exchange_of_pair(fronts.patch[i], fronts.patch[j], options, visible, scene.caster(), key);
+      for (std::size_t j = i + 1; j < polygons; ++j) {
+        throw_if_interrupted();
+        by_polygon[i][shape[j]] += pair.exchange(i, j);
       }
   });
-  Table exchange(shapes, std::vector<double>(shapes, 0.0));
-  for (std::size_t i = 0; i < patches; ++i)
+  ExchangeTable exchange = empty_table(shapes, shapes);
+  for (std::size_t i = 0; i < polygons; ++i)
     for (std::size_t s = 0; s < shapes; ++s) {
-      const std::uint32_t own = fronts.shape[i];
-      exchange[own][s] += by_patch[i][s];
-      exchange[s][own] += by_patch[i][s];  // for s == own both ways are in one entry
+      exchange[shape[i]][s] += by_polygon[i][s];
+      exchange[s][shape[i]] += by_polygon[i][s];  // for s == shape[i] both ways are in one entry
     }
   return exchange;
 }
 
-// Counts of the fronts that the rays of a shape land on.
-std::vector<std::uint64_t> cast_from_shape(const Scene& scene, const Fronts& fronts, std::uint32_t s,
-                                           std::uint32_t rays, std::uint32_t seed) {
-  std::vector<std::uint64_t> landed(fronts.area.size(), 0);
-  const auto first = std::lower_bound(fronts.shape.begin(), fronts.shape.end(), s) - fronts.shape.begin();
-  const auto last = std::upper_bound(fronts.shape.begin(), fronts.shape.end(), s) - fronts.shape.begin();
-  std::vector<double> area;
-  for (auto i = first; i < last; ++i) area.push_back(fronts.patch[static_cast<std::size_t>(i)].area);
-  const DiscreteDistribution choice(area);
-  if (choice.empty()) return landed;
-  for (std::uint32_t k = 0; k < rays; ++k) {
-    Sampler sampler(seed, s, k);
-    const V2f u = sampler.next_2d();
-    const auto chosen = choice.sample(u.x);
-    const Patch& patch = fronts.patch[static_cast<std::size_t>(first) + chosen.index];
-    const ElementPoint start = patch.sample({chosen.remapped, u.y});
-    const V3f direction = Frame(V3f(start.normal)).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
-    const Ray ray{start.ray_position(), direction};
-    const Hit hit = scene.caster().intersect(ray);
-    if (!hit.escaped() && scene.surface_point(ray, hit).side == front) ++landed[hit.shape];
+// What the hemicube at a patch's centroid sees of each shape, times the patch's area.
+std::vector<double> hemicube_exchange(const Scene& scene, const Patch& patch, std::size_t shapes,
+                                      const std::vector<HemicubePixel>& pixels, bool occlusion) {
+  const ElementPoint eye = patch.centroid();
+  const Frame frame{V3f(eye.normal)};
+  const LineFollower line(scene);
+  FrontsMet met;
+  std::vector<double> exchange(shapes, 0.0);
+  for (const HemicubePixel& pixel : pixels) {
+    line.follow({eye.ray_position(), frame.to_world(V3f(pixel.direction))}, !occlusion, met);
+    for (const FrontsMet::Front& front : met.fronts) exchange[front.shape] += patch.area * pixel.weight;
   }
-  return landed;
+  return exchange;
 }
 
-Table ray_exchanges(const Scene& scene, const Fronts& fronts, std::uint32_t rays, std::uint32_t seed) {
-  const std::size_t shapes = fronts.area.size();
-  std::vector<std::vector<std::uint64_t>> landed(shapes);
+ExchangeTable hemicube_exchanges(const Scene& scene, const ShapeFronts& fronts,
+                                 const FormFactorOptions& options) {
+  constexpr std::size_t at_once = 1024;  // bounds the memory
+  const std::vector<HemicubePixel> pixels = hemicube_pixels(options.hemicube_resolution);
+  const std::size_t shapes = fronts.shapes(), patches = fronts.patch.size();
+  ExchangeTable exchange = empty_table(shapes, shapes);
+  std::vector<std::vector<double>> by_patch(std::min(at_once, patches));
+  for (std::size_t first = 0; first < patches; first += at_once) {
+    const std::size_t count = std::min(at_once, patches - first);
+    parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        throw_if_interrupted();
+        by_patch[k] = hemicube_exchange(scene, fronts.patch[first + k], shapes, pixels, options.occlusion);
+      }
+    });
+    // Each way is an estimate of the same exchange: their mean.
+    for (std::size_t k = 0; k < count; ++k)
+      for (std::size_t s = 0; s < shapes; ++s) {
+        exchange[fronts.shape[first + k]][s] += 0.5 * by_patch[k][s];
+        exchange[s][fronts.shape[first + k]] += 0.5 * by_patch[k][s];
+      }
+  }
+  return exchange;
+}
+
+// The exchange of two shapes from the counts of their rays and, if it is known, what they would exchange if
+// nothing were in the way.
+double exchange_from_counts(const ShapeRayCounts& counts, const ShapeFronts& fronts, std::size_t i,
+                            std::size_t j, std::optional<double> unoccluded, bool occlusion) {
+  const auto visible = static_cast<double>(counts.visible[i][j] + counts.visible[j][i]);
+  const auto met = visible + static_cast<double>(counts.blocked[i][j] + counts.blocked[j][i]);
+  if (unoccluded) return occlusion && met > 0.0 ? *unoccluded * (visible / met) : *unoccluded;  // (R25)
+  // (R13)
+  const double area = fronts.area[i] * fronts.area[j] / (fronts.area[i] + fronts.area[j]);
+  return area * ((occlusion ? visible : met) / counts.rays);
+}
+
+bool can_have_control(const ShapeFronts& fronts) {
+  std::size_t triangles = 0;
+  for (std::size_t s = 0; s < fronts.shapes(); ++s)
+    if (!fronts.is_sphere[s]) triangles += fronts.first[s + 1] - fronts.first[s];
+  return triangles <= most_triangles_as_control;
+}
+
+ExchangeTable ray_exchanges(const Scene& scene, const ShapeFronts& fronts, const FormFactorOptions& options,
+                            const ShapeRayCounts& counts) {
+  const std::size_t shapes = fronts.shapes();
+  const bool control = can_have_control(fronts);
+  ExchangeTable exchange = empty_table(shapes, shapes);
+  // Row i writes the entries (i, j) and (j, i) of j >= i: one thread each.
   parallel_for(shapes, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s)
-      landed[s] = cast_from_shape(scene, fronts, static_cast<std::uint32_t>(s), rays, seed);
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t j = i; j < shapes; ++j) {
+        throw_if_interrupted();
+        if (!(fronts.area[i] > 0.0) || !(fronts.area[j] > 0.0)) continue;
+        std::optional<double> unoccluded;
+        if (control)
+          unoccluded = unoccluded_exchange(scene, fronts, static_cast<std::uint32_t>(i),
+                                           static_cast<std::uint32_t>(j), accuracy_in_sight);
+        exchange[i][j] = exchange[j][i] =
+            exchange_from_counts(counts, fronts, i, j, unoccluded, options.occlusion);
+      }
   });
-  // Both ways together (R13), then scaled to what each shape's own rays say of its sum (R14).
-  ExchangeMatrix exchange(static_cast<Eigen::Index>(shapes), static_cast<Eigen::Index>(shapes));
-  std::vector<double> target(shapes), fixed(shapes, 0.0);
-  for (std::size_t i = 0; i < shapes; ++i) {
-    for (std::size_t j = 0; j < shapes; ++j) {
-      const double hits = static_cast<double>(landed[i][j] + landed[j][i]);
-      const double area = fronts.area[i] * fronts.area[j] / (fronts.area[i] + fronts.area[j]);
-      target[i] += fronts.area[i] * static_cast<double>(landed[i][j]) / rays;
-      if (hits > 0.0)
-        exchange.insert(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-            static_cast<float>(area * hits / rays);
-    }
-  }
-  scale_to_row_sums(exchange, fixed, target, fronts.area, 1e-6);
-  Table table(shapes, std::vector<double>(shapes, 0.0));
-  for (std::size_t i = 0; i < shapes; ++i)
-    for (ExchangeMatrix::InnerIterator it(exchange, static_cast<Eigen::Index>(i)); it; ++it)
-      table[i][static_cast<std::size_t>(it.col())] = static_cast<double>(it.value());
-  return table;
+  return exchange;
 }
 
-FormFactorMethod choose_method(const Fronts& fronts, const FormFactorOptions& options) {
-  const bool analytic_possible = !fronts.has_spheres && fronts.patch.size() <= most_triangles_exact;
+bool any_sphere(const ShapeFronts& fronts) {
+  return std::find(fronts.is_sphere.begin(), fronts.is_sphere.end(), true) != fronts.is_sphere.end();
+}
+
+FormFactorMethod choose_method(const ShapeFronts& fronts, const FormFactorOptions& options) {
+  const bool spheres = any_sphere(fronts);
   switch (options.method) {
     case FormFactorMethod::automatic:
-      if (!options.occlusion) break;
-      return analytic_possible && fronts.patch.size() <= most_triangles_automatic ? FormFactorMethod::exact
-                                                                                  : FormFactorMethod::rays;
+      return !spheres && fronts.patch.size() <= most_triangles_automatic ? FormFactorMethod::exact
+                                                                         : FormFactorMethod::rays;
     case FormFactorMethod::rays:
-      if (!options.occlusion)
-        throw Error("form factors", "rays cannot ignore obstacles", "use --method exact or point");
       return FormFactorMethod::rays;
     case FormFactorMethod::hemicube:
-      throw Error("form factors", "hemicubes see from elements, and whole shapes are not divided into any",
-                  "use --method exact, point or rays");
+      if (options.hemicube_resolution < 2 || options.hemicube_resolution > largest_hemicube_resolution ||
+          options.hemicube_resolution % 2 != 0)
+        throw Error("form factors",
+                    std::to_string(options.hemicube_resolution) + " pixels are no edge of a hemicube",
+                    "give an even number from 2 to " + std::to_string(largest_hemicube_resolution));
+      break;
     case FormFactorMethod::exact:
     case FormFactorMethod::point:
-      break;
+      if (fronts.patch.size() > most_triangles_in_pairs)
+        throw Error("form factors", std::to_string(fronts.patch.size()) + " triangles have too many pairs",
+                    "use --method rays");
   }
-  if (!analytic_possible)
-    throw Error("form factors",
-                fronts.has_spheres ? "analytic form factors are known for triangles, and the scene has spheres"
-                                   : std::to_string(fronts.patch.size()) + " triangles have too many pairs",
-                "use --method rays (with occlusion)");
-  return options.method == FormFactorMethod::automatic ? FormFactorMethod::exact : options.method;
+  if (spheres)
+    throw Error("form factors", "this method divides surfaces into triangles, and the scene has spheres",
+                "use --method rays");
+  return options.method;
+}
+
+std::uint32_t chosen_rays(const FormFactorOptions& options, std::size_t shapes) {
+  if (options.rays) return options.rays;
+  // Four million in all, but enough for two digits and not more than three digits need.
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>((std::size_t{1} << 22) / shapes, 1 << 13, 1 << 20));
+}
+
+// Whether the scene is closed: by the rays that there are and, if they are few, by test rays.
+bool is_closed(const Scene& scene, const ShapeFronts& fronts, const ShapeRayCounts& counts,
+               std::uint32_t seed) {
+  const auto tests = static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / fronts.shapes(), 64, 8192));
+  if (counts.rays > 0 && !counts.closed()) return false;
+  return counts.rays >= tests || count_shape_rays(scene, fronts, tests, false, seed).closed();
+}
+
+double closure_error(const ExchangeTable& exchange, std::span<const double> area) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < area.size(); ++i) {
+    if (!(area[i] > 0.0)) continue;
+    double sum = 0.0;
+    for (const double x : exchange[i]) sum += x;
+    worst = std::max(worst, std::abs(sum / area[i] - 1.0));
+  }
+  return worst;
+}
+
+// Everything but the names: in the units of the centred scene.
+void fill_in(FormFactorTable& table, const Scene& scene, const FormFactorOptions& given) {
+  const ShapeFronts fronts = collect_fronts(scene);
+  FormFactorOptions options = given;
+  options.method = table.method = choose_method(fronts, options);
+  table.areas = fronts.area;
+  table.degenerate_triangles = fronts.degenerate;
+  ShapeRayCounts counts;
+  if (options.method == FormFactorMethod::rays) {
+    counts = count_shape_rays(scene, fronts, chosen_rays(options, fronts.shapes()), true, options.seed);
+    table.F = ray_exchanges(scene, fronts, options, counts);
+  } else if (options.method == FormFactorMethod::hemicube) {
+    table.F = hemicube_exchanges(scene, fronts, options);
+  } else {
+    table.F = pair_exchanges(scene, fronts, options);
+  }
+  table.closed = is_closed(scene, fronts, counts, options.seed);
+  table.closure_error_before = closure_error(table.F, fronts.area);
+  if (options.occlusion) {
+    if (table.closed)
+      scale_rows_to_areas(table.F, fronts.area);
+    else
+      cap_rows_at_areas(table.F, fronts.area);
+  }
+  table.closure_error = closure_error(table.F, fronts.area);
+  for (std::size_t i = 0; i < fronts.shapes(); ++i)
+    for (double& f : table.F[i]) f = fronts.area[i] > 0.0 ? f / fronts.area[i] : 0.0;
 }
 
 }  // namespace
 
 FormFactorTable form_factor_table(const Scene& scene, const FormFactorOptions& options) {
-  const Fronts fronts = collect_fronts(scene);
   FormFactorTable table;
-  table.areas = fronts.area;
   for (const Shape& shape : scene.shapes()) table.names.push_back(shape.name);
-  FormFactorOptions chosen = options;
-  chosen.method = table.method = choose_method(fronts, options);
-  const std::size_t shapes = fronts.area.size();
-  if (chosen.method == FormFactorMethod::rays) {
-    // Four million in all, but enough for two digits and not more than three digits need.
-    const std::size_t share = (std::size_t{1} << 22) / std::max<std::size_t>(1, shapes);
-    const auto rays = static_cast<std::uint32_t>(std::clamp<std::size_t>(share, 1 << 13, 1 << 20));
-    table.F = ray_exchanges(scene, fronts, options.rays ? options.rays : rays, options.seed);
-  } else {
-    table.F = analytic_exchanges(scene, fronts, chosen);
-  }
-  for (std::size_t i = 0; i < shapes; ++i) {
-    double sum = 0.0;
-    for (double& f : table.F[i]) {
-      f = fronts.area[i] > 0.0 ? f / fronts.area[i] : 0.0;
-      sum += f;
-    }
-    if (fronts.area[i] > 0.0) table.closure_error = std::max(table.closure_error, std::abs(sum - 1.0));
-  }
+  if (scene.shapes().empty()) return table;
+  CentredScene local = centred(scene.description());
+  fill_in(table, Scene(std::move(local.scene)), options);
+  for (double& area : table.areas) area *= local.length_unit * local.length_unit;
+  if (table.degenerate_triangles > 0)
+    table.notes.push_back(std::to_string(table.degenerate_triangles) +
+                          " triangles without area exchange nothing and were left out");
   return table;
 }
 

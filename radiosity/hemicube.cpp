@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "radiosity/analytic_exchange.h"
+#include "radiosity/hemicube_pixels.h"
 #include "radiosity/ray_survey.h"
 #include "render/core/error.h"
 #include "render/core/interrupt.h"
@@ -54,18 +55,18 @@ class Hemicube {
     const float size = mesh_.size(element);
     double covered = 0.0;
     for (const HemicubePixel& pixel : pixels_) {
-      const Ray ray{start.ray_position(), frame.to_world(pixel.direction)};
+      const Ray ray{start.ray_position(), frame.to_world(V3f(pixel.direction))};
       const Hit hit = scene_.caster().intersect(ray);
       if (hit.escaped()) continue;
       const SurfacePoint point = scene_.surface_point(ray, hit);
       if (is_covered(ray, hit, point, normal, size)) {
-        covered += pixel.factor;
+        covered += pixel.weight;
         continue;
       }
       const std::uint32_t other = mesh_.find(point);
       if (other == no_index) continue;
       if (seen[other] == 0.0) view.factors.push_back({other, 0.0});
-      seen[other] += pixel.factor;
+      seen[other] += pixel.weight;
     }
     rays += pixels_.size();
     collect(view, seen);
@@ -117,35 +118,6 @@ ExchangeMatrix joined_estimates(const std::vector<View>& views, const ElementMes
 }
 
 }  // namespace
-
-std::vector<HemicubePixel> hemicube_pixels(int resolution) {
-  if (resolution < 2 || resolution > hemicube_max_resolution || resolution % 2 != 0)
-    throw Error("hemicube", "a resolution of " + std::to_string(resolution) + " cannot be halved into pixels",
-                "use an even one from 2 to " + std::to_string(hemicube_max_resolution));
-  const double width = 2.0 / resolution;
-  std::vector<HemicubePixel> pixels;
-  pixels.reserve(static_cast<std::size_t>(3 * resolution * resolution));
-  double sum = 0.0;
-  // A pixel of a face at the distance 1, by its centre: cos cos' dA / (pi r^2), the cosine of the face 1 / r
-  // and that of the element z / r.
-  const auto add = [&](double x, double y, double z) {
-    const V3d centre(x, y, z);
-    const double r2 = centre.length2(), factor = z * width * width / (pi * r2 * r2);
-    pixels.push_back({V3f(centre.normalized()), factor});
-    sum += factor;
-  };
-  const auto middle = [&](int k) { return (k + 0.5) * width - 1.0; };
-  for (int row = 0; row < resolution; ++row)
-    for (int column = 0; column < resolution; ++column) add(middle(column), middle(row), 1.0);
-  for (int row = resolution / 2; row < resolution; ++row)
-    for (int column = 0; column < resolution; ++column)
-      for (const double side : {-1.0, 1.0}) {
-        add(side, middle(column), middle(row));
-        add(middle(column), side, middle(row));
-      }
-  for (HemicubePixel& pixel : pixels) pixel.factor /= sum;
-  return pixels;
-}
 
 ExchangeMatrix hemicube_exchange(const Scene& scene, const ElementMesh& mesh, int resolution,
                                  std::uint32_t seed, std::uint64_t& rays) {

@@ -2,26 +2,11 @@
 // for comparison with the classical literature: it aliases and takes every element for a point.
 #pragma once
 
-#include <vector>
-
 #include "radiosity/balance.h"
 #include "radiosity/elements.h"
 #include "render/scene/scene.h"
 
 namespace twopass {
-
-inline constexpr int hemicube_max_resolution = 1024;
-
-/// A pixel of a hemicube: the direction of its centre, and its share of the form factor.
-struct HemicubePixel {
-  V3f direction;  ///< unit, about the normal (0, 0, 1)
-  double factor;  ///< delta form factor (R24)
-};
-
-/// The pixels of the half cube of edge 2 and height 1 around a point: `resolution`^2 on top, half as many on
-/// each of the four sides. Their factors add up to 1, up to rounding. Throws Error unless the resolution is
-/// even and from 2 to `hemicube_max_resolution`.
-std::vector<HemicubePixel> hemicube_pixels(int resolution);
 
 /// The exchange between all elements, from a hemicube at each one's centroid: one ray through the centre of
 /// each pixel tells what an item buffer would hold. Both elements' estimates are joined like those of rays, so

@@ -175,6 +175,32 @@ TEST_F(Program, FormFactorsOfTheUnitCubeAsJson) {
   EXPECT_LT(json["closure_error"].get<double>(), 1e-6);
 }
 
+TEST_F(Program, FormFactorsByEveryMethodAndAsATable) {
+  write(
+      "plates.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv 0 0 .5\nv 1 0 .5\nv 1 1 .5\n"
+      "v 0 1 .5\ng lower\nf 1 2 3 4\ng a_name_that_is_longer_than_any_column_of_a_table\nf 5 8 7 6\ng screen\n"
+      "f 9 10 11 12\n");
+  for (const char* method :
+       {"exact", "point", "hemicube --hemicube-resolution 16", "rays --rays 1000", "auto"}) {
+    const Outcome result = run("form-factors plates.obj --json --method " + std::string(method));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_LT(json["F"][0][1].get<double>(), 1e-9) << method;  // behind the screen
+    EXPECT_FALSE(json["closed"].get<bool>());
+    EXPECT_GT(json["closure_error_before"].get<double>(), 0.1);
+    const auto open = nlohmann::json::parse(
+        run("form-factors plates.obj --json --no-occlusion --method " + std::string(method)).out);
+    EXPECT_NEAR(open["F"][0][1].get<double>(), 0.19982489569838738, 0.04)
+        << method;  // point and hemicube are crude so near
+  }
+  const Outcome table = run("form-factors plates.obj");
+  EXPECT_NE(table.out.find("a_name_that_is_longer_tha..."), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("not closed"), std::string::npos);
+  EXPECT_EQ(run("form-factors plates.obj --method hemicube --hemicube-resolution 7").exit_code, 1);
+  EXPECT_EQ(run("form-factors plates.obj --hemicube-resolution 0").exit_code, 2);
+}
+
 TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {
   write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const Outcome result = run("render tri.obj -o a.exr --sky 1,1,1 --spp 4 --size 32x32");

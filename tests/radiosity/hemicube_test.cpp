@@ -1,4 +1,5 @@
 #include "radiosity/hemicube.h"
+#include "radiosity/hemicube_pixels.h"
 
 #include <gtest/gtest.h>
 
@@ -54,11 +55,11 @@ TEST(Hemicube, PixelsAddUpToOneAndAreTheSquaresThatTheyStandFor) {
     for (const HemicubePixel& pixel : pixels) {
       // (R2): the solid angle of the pixel, projected.
       const double exact = point_form_factor(V3d(0.0), V3d(0, 0, 1), pixel_square(pixel, resolution));
-      sum += pixel.factor;
+      sum += pixel.weight;
       sum_of_squares += exact;
-      worst = std::max(worst, std::abs(pixel.factor / exact - 1.0));
-      EXPECT_NEAR(double(pixel.direction.length()), 1.0, 1e-6);
-      EXPECT_GT(pixel.direction.z, 0.0f);
+      worst = std::max(worst, std::abs(pixel.weight / exact - 1.0));
+      EXPECT_NEAR(pixel.direction.length(), 1.0, 1e-6);
+      EXPECT_GT(pixel.direction.z, 0.0);
     }
     EXPECT_NEAR(sum, 1.0, 1e-13);
     EXPECT_NEAR(sum_of_squares, 1.0, 1e-7);  // they tile the half cube; directions are in single precision

@@ -30,6 +30,7 @@ class Stress : public testing::TestWithParam<Way> {
     options.solver = GetParam().solver;
     options.max_elements = 200;
     options.rays_per_element = 256;
+    options.hemicube_resolution = 16;
     options.relative_error = 0.02;
     return options;
   }
