@@ -33,6 +33,9 @@ struct ElementCell {
 /// `divisions`, counter-clockwise seen from the root's front.
 std::array<V2i, 3> cell_corners(const ElementCell& cell);
 
+/// The albedo that stands in for 1 and more: with them the balance of a closed scene has no solution.
+inline constexpr float largest_reflectance = 0.999f;
+
 /// All elements of a scene, and the way from a point of a surface to its element. REQUIRES: the shapes outlive
 /// it.
 class ElementMesh {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "radiosity/landing.h"
 #include "radiosity/specular_path.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
@@ -30,14 +31,29 @@ struct Tally {
   std::atomic<std::uint64_t> lamp{0}, black{0}, specular{0}, sky{0}, rays{0};
 };
 
-std::uint32_t landing_without_element(const Scene& scene, const SurfacePoint& point) {
-  return is_black(scene.emitted_radiance(point)) ? RaySurvey::on_black : RaySurvey::on_lamp;
+// How the survey's list says it.
+std::uint32_t code_of(const Landing& landing) {
+  switch (landing.kind) {
+    case Landing::on_element:
+      return landing.element;
+    case Landing::on_lamp:
+      return RaySurvey::on_lamp;
+    case Landing::on_black:
+      return RaySurvey::on_black;
+    case Landing::on_specular:
+      return RaySurvey::on_specular;
+    case Landing::in_the_sky:
+      return RaySurvey::in_the_sky;
+    case Landing::buried:
+      break;
+  }
+  return RaySurvey::buried;
 }
 
 class ElementSurvey {
  public:
   ElementSurvey(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed)
-      : scene_(scene), mesh_(mesh), seed_(seed) {}
+      : scene_(scene), mesh_(mesh), element_rays_(scene, mesh), seed_(seed) {}
 
   // Casts the rays of an element and writes their landings.
   Finding run(std::uint32_t element, std::span<std::uint32_t> landings, std::uint64_t& rays) const {
@@ -67,45 +83,10 @@ class ElementSurvey {
  private:
   std::uint32_t cast(const Ray& ray, const V3f& normal, float size, Sampler& sampler, Finding& finding,
                      std::uint64_t& rays) const {
-    const Hit hit = scene_.caster().intersect(ray);
-    ++rays;
-    if (hit.escaped()) {
-      finding.sky += C3d(1.0);
-      return RaySurvey::in_the_sky;
-    }
-    const SurfacePoint point = scene_.surface_point(ray, hit);
-    if (is_covered(ray, hit, point, normal, size)) return RaySurvey::buried;
-    const std::uint32_t element = mesh_.find(point);
-    if (element != no_index) return element;
-    if (shows_inside(point))
-      return is_inside_solid(ray, normal, sampler, rays) ? RaySurvey::buried : RaySurvey::on_black;
-    if (!is_specular(scene_.bsdf(point))) return landing_without_element(scene_, point);
-    follow(ray, point, sampler, finding, rays);
-    return RaySurvey::on_specular;
-  }
-
-  // A surface parallel to the element and much closer than the element is large: a lamp on a ceiling, a carpet.
-  [[nodiscard]] static bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point,
-                                       const V3f& normal, float size) {
-    return point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
-  }
-
-  // The black back of a one-sided surface: most likely the inside of something solid.
-  [[nodiscard]] bool shows_inside(const SurfacePoint& point) const {
-    return point.side == back && mesh_.has_elements(point.shape, front) &&
-           is_black(scene_.emitted_radiance(point)) && !is_specular(scene_.bsdf(point));
-  }
-
-  // Whether two more rays from the same place see the inside of something solid, too: then it surrounds them.
-  [[nodiscard]] bool is_inside_solid(const Ray& ray, const V3f& normal, Sampler& sampler,
-                                     std::uint64_t& rays) const {
-    for (int probe = 0; probe < 2; ++probe) {
-      const Ray other{ray.origin, Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
-      const Hit hit = scene_.caster().intersect(other);
-      ++rays;
-      if (hit.escaped() || !shows_inside(scene_.surface_point(other, hit))) return false;
-    }
-    return true;
+    const Landing landing = element_rays_.cast(ray, normal, size, sampler, rays);
+    if (landing.kind == Landing::in_the_sky) finding.sky += C3d(1.0);
+    if (landing.kind == Landing::on_specular) follow(ray, landing.point, sampler, finding, rays);
+    return code_of(landing);
   }
 
   // (R15): a specular surface is not an end but a continuation.
@@ -138,6 +119,7 @@ class ElementSurvey {
 
   const Scene& scene_;
   const ElementMesh& mesh_;
+  ElementRays element_rays_;
   std::uint32_t seed_;
 };
 

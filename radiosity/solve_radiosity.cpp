@@ -7,7 +7,9 @@
 #include "radiosity/ray_survey.h"
 #include "radiosity/solution.h"
 #include "radiosity/solvers.h"
+#include "radiosity/stochastic.h"
 #include "radiosity/subdivision.h"
+#include "render/core/error.h"
 
 namespace twopass {
 
@@ -15,8 +17,8 @@ namespace {
 
 constexpr std::size_t default_elements_rays = 8192;
 constexpr std::size_t default_elements_analytic = 1500;
-// The albedo that stands in for 1 and more: with them the balance of a closed scene has no solution.
-constexpr float largest_reflectance = 0.999f;
+// Rays an element of the solver `stochastic` before it looks at its noise.
+constexpr double first_stochastic_rays = 16.0;
 // The part of the error that the iteration may use up.
 constexpr double iteration_share = 0.1;
 // An iteration cannot promise less than rounding allows.
@@ -117,9 +119,20 @@ SolverResult run_solver(Solver solver, const Balance& balance, double relative_e
       return solve_progressive(balance, stop);
     case Solver::automatic:
     case Solver::gauss_seidel:
+    case Solver::stochastic:  // has no balance to solve
       break;
   }
   return solve_gauss_seidel(balance, stop);
+}
+
+// What reaches elements before the first diffuse reflection, but not straight from emitters.
+void add_sky_and_caustics(std::vector<C3d>& direct, const Scene& scene, const ElementMesh& mesh,
+                          const RaySurvey& survey, std::uint32_t seed, RadiosityStats& stats) {
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += survey.sky[i];
+  if (survey.met_specular == 0) return;
+  const std::size_t paths = std::size_t{survey.rays_per_element} * mesh.count();
+  const std::vector<C3d> caustics = caustic_irradiance(scene, mesh, paths, seed, stats.rays);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += caustics[i];
 }
 
 // Everything of the balance: form factors by `method`, enforced, and direct irradiance.
@@ -140,41 +153,63 @@ Balance assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& 
   Enforcement(survey, balance.area, method).apply(balance.exchange, direct.exchange_with_lamps, stats);
 
   balance.direct = std::move(direct.irradiance);
-  for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.direct[i] += survey.sky[i];
-  if (survey.met_specular > 0) {
-    const std::size_t paths = std::size_t{rays} * mesh.count();
-    const std::vector<C3d> caustics = caustic_irradiance(scene, mesh, paths, options.seed, stats.rays);
-    for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.direct[i] += caustics[i];
-  }
+  add_sky_and_caustics(balance.direct, scene, mesh, survey, options.seed, stats);
   balance.specular = std::move(survey.specular);
   cap_specular_links(balance);
   return balance;
 }
 
-}  // namespace
+// The same up to the direct irradiance alone.
+std::vector<C3f> all_direct_irradiance(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                                       RadiosityStats& stats) {
+  const RaySurvey survey = survey_with_rays(scene, mesh, default_rays(mesh.count()), options.seed);
+  stats.rays += survey.rays;
+  stats.closed = survey.is_closed();
+  mesh.expose(survey.exposed);
+  const bool all_elements = survey.is_closed() && survey.met_black == 0 && survey.met_lamp == 0;
+  DirectIrradiance direct =
+      direct_irradiance(scene, mesh, FormFactorMethod::rays, all_elements, options.seed, stats.rays);
+  add_sky_and_caustics(direct.irradiance, scene, mesh, survey, options.seed, stats);
+  return {direct.irradiance.begin(), direct.irradiance.end()};
+}
 
-Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
-  const bool by_rays =
-      options.form_factors == FormFactorMethod::automatic || options.form_factors == FormFactorMethod::rays;
-  const FormFactorMethod method = by_rays ? FormFactorMethod::rays : options.form_factors;
-  const Solver solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
-  std::size_t most = by_rays ? default_elements_rays : default_elements_analytic;
-  if (solver == Solver::lu) most = std::min<std::size_t>(most, lu_max_elements);
-  ElementMesh mesh = divide_surfaces(scene, options.max_elements ? options.max_elements : most);
+void refuse_form_factors_with_stochastic(FormFactorMethod method) {
+  if (method == FormFactorMethod::automatic || method == FormFactorMethod::rays) return;
+  throw Error("--solver stochastic",
+              "casts its own rays and uses no " +
+                  std::string(name_of_value<FormFactorMethod>(form_factor_method_names, method)) +
+                  " form factors",
+              "leave --form-factors out");
+}
 
-  RadiosityStats stats;
-  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, solver);
-  stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, method);
-  stats.elements = mesh.count();
+std::vector<Irradiance> run_stochastic(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                                       RadiosityStats& stats) {
+  clamped_reflectances(mesh, stats);  // says so
+  const std::vector<C3f> direct = all_direct_irradiance(scene, mesh, options, stats);
+  StochasticOptions stochastic;
+  stochastic.relative_error = std::max(options.relative_error, smallest_relative_error);
+  stochastic.until_relative_error = options.rays_per_element == 0;
+  stochastic.rays_per_element =
+      stochastic.until_relative_error ? first_stochastic_rays : options.rays_per_element;
+  stochastic.max_reflections = options.max_reflections;
+  stochastic.seed = options.seed;
+  const StochasticResult result = solve_stochastic(scene, mesh, direct, stochastic);
+  stats.iterations = result.iterations;
+  stats.rays += result.rays;
+  stats.residual = result.residual;
+  stats.error_bound = result.error_bound;
+  stats.memory_bytes = mesh.memory_bytes() + mesh.count() * stochastic_bytes_per_element;
   std::vector<Irradiance> irradiance(mesh.count());
-  const bool is_dark = scene.lights().empty() && is_black(scene.sky());
-  if (mesh.count() == 0 || is_dark) {
-    stats.notes.push_back(is_dark ? "nothing emits light" : "no surface reflects light diffusely");
-    return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
-  }
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) irradiance[i] = {direct[i], result.irradiance[i]};
+  return irradiance;
+}
 
+std::vector<Irradiance> run_with_form_factors(const Scene& scene, ElementMesh& mesh,
+                                              const RadiosityOptions& options, FormFactorMethod method,
+                                              Solver solver, RadiosityStats& stats) {
   const Balance balance = assemble(scene, mesh, options, method, stats);
   const SolverResult result = run_solver(solver, balance, options.relative_error, options.max_reflections);
+  std::vector<Irradiance> irradiance(mesh.count());
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i] = {C3f(balance.direct[i]), C3f(result.irradiance[i])};
   stats.links = static_cast<std::size_t>(balance.exchange.nonZeros()) + balance.specular.link.size();
@@ -184,6 +219,37 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
   stats.memory_bytes = mesh.memory_bytes() + irradiance.size() * sizeof(Irradiance) +
                        static_cast<std::size_t>(balance.exchange.nonZeros()) * (sizeof(float) + sizeof(int)) +
                        balance.specular.link.size() * sizeof(SpecularLink);
+  return irradiance;
+}
+
+}  // namespace
+
+Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
+  const bool by_rays =
+      options.form_factors == FormFactorMethod::automatic || options.form_factors == FormFactorMethod::rays;
+  const FormFactorMethod method = by_rays ? FormFactorMethod::rays : options.form_factors;
+  const Solver solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
+  if (solver == Solver::stochastic) refuse_form_factors_with_stochastic(options.form_factors);
+  std::size_t most = by_rays ? default_elements_rays : default_elements_analytic;
+  if (solver == Solver::lu) most = std::min<std::size_t>(most, lu_max_elements);
+  ElementMesh mesh = divide_surfaces(scene, options.max_elements ? options.max_elements : most);
+
+  RadiosityStats stats;
+  const bool is_series = options.max_reflections >= 0 && solver != Solver::stochastic;
+  stats.solver = is_series ? "series" : name_of_value<Solver>(solver_names, solver);
+  stats.form_factors =
+      solver == Solver::stochastic ? "none" : name_of_value<FormFactorMethod>(form_factor_method_names, method);
+  stats.elements = mesh.count();
+  std::vector<Irradiance> irradiance(mesh.count());
+  const bool is_dark = scene.lights().empty() && is_black(scene.sky());
+  if (mesh.count() == 0 || is_dark) {
+    stats.notes.push_back(is_dark ? "nothing emits light" : "no surface reflects light diffusely");
+    return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
+  }
+
+  irradiance = solver == Solver::stochastic
+                   ? run_stochastic(scene, mesh, options, stats)
+                   : run_with_form_factors(scene, mesh, options, method, solver, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
 }
 
