@@ -170,6 +170,12 @@ class Shooting {
     return watts;
   }
 
+  [[nodiscard]] C3d first_units(std::uint32_t i) const {
+    C3d units = first_watts(i);
+    for (int c = 0; c < 3; ++c) units[c] = units_per_watt_[c] > 0.0 ? units[c] * units_per_watt_[c] : 0.0;
+    return units;
+  }
+
   // Each channel has its own unit, so that a faint one is as exact as the others, and counts as much.
   void choose_units() {
     const auto total = sum_over_elements(count(), C3d(0.0), [&](std::uint32_t i) { return first_watts(i); });
@@ -272,11 +278,10 @@ class Shooting {
   void emit(double emissions) {
     emissions_ += emissions;
     for (std::uint32_t i = 0; i < count(); ++i) {
-      const C3d watts = first_watts(i);
+      const C3d units = first_units(i);
       for (int c = 0; c < 3; ++c) {
         const auto before = static_cast<std::int64_t>(unshot_[i][c]);
-        unshot_[i][c] =
-            static_cast<float>(before + static_cast<std::int64_t>(watts[c] * units_per_watt_[c] * emissions));
+        unshot_[i][c] = static_cast<float>(before + static_cast<std::int64_t>(units[c] * emissions));
         emitted_[c] += static_cast<std::int64_t>(unshot_[i][c]) - before;
       }
     }
@@ -321,21 +326,23 @@ class Shooting {
     const double unshot = static_cast<double>(unshot_[i].x) + static_cast<double>(unshot_[i].y) +
                           static_cast<double>(unshot_[i].z);
     if (!(unshot > 0.0)) return {0, 0};
-    if (options_.max_reflections >= 0)
-      return {0, static_cast<std::uint32_t>(std::max(1.0, std::round(unshot / quantum_)))};
+    if (options_.max_reflections >= 0) return {0, whole(std::max(1.0, std::round(unshot / quantum_)))};
     const C3d power = power_reflected(i);
-    const double all = power.x + power.y + power.z;
+    const double all = std::max(unshot, power.x + power.y + power.z);
     // So that elements of equal power do not all shoot at the same time.
     const double phase = 0x1p-32 * static_cast<double>(hash_words(options_.seed, i) >> 32);
-    const double first = std::floor(std::max(0.0, all - unshot) / quantum_ + phase);
-    const double last = std::floor(std::max(unshot, all) / quantum_ + phase);
-    return {static_cast<std::uint32_t>(static_cast<std::uint64_t>(first)),
-            static_cast<std::uint32_t>(last - first)};
+    const double first = std::floor((all - unshot) / quantum_ + phase);
+    const double last = std::floor(all / quantum_ + phase);
+    // Rounding must not make a full ray wait for ever.
+    const double rays = std::max(last - first, unshot >= quantum_ ? 1.0 : 0.0);
+    return {whole(std::fmod(first, 0x1p32)), whole(rays)};
   }
+
+  static std::uint32_t whole(double x) { return static_cast<std::uint32_t>(std::min(x, 0x1p32 - 1.0)); }
 
   // Of direct and received light, up to now, units.
   [[nodiscard]] C3d power_reflected(std::uint32_t i) const {
-    return first_watts(i) * units_per_watt_ * emissions_ + reflectance(i) * C3d(received_[i]);
+    return first_units(i) * emissions_ + reflectance(i) * C3d(received_[i]);
   }
 
   [[nodiscard]] Outlook outlook() const {
