@@ -332,8 +332,8 @@ ElementPoint ElementMesh::sample(std::uint32_t element, const V2f& u) const {
   return patch(element, static_cast<std::size_t>(member - first)).sample({remapped, u.y});
 }
 
-void ElementMesh::expose(std::span<const double> fraction) {
-  for (std::size_t i = 0; i < area_.size(); ++i) area_[i] *= static_cast<float>(fraction[i]);
+void ElementMesh::expose(std::span<const float> fraction) {
+  for (std::size_t i = 0; i < area_.size(); ++i) area_[i] *= fraction[i];
 }
 
 std::size_t ElementMesh::memory_bytes() const {

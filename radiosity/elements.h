@@ -40,6 +40,9 @@ std::array<V2i, 3> cell_corners(const ElementCell& cell);
 /// other two corners.
 ElementCell child_cell(const ElementCell& cell, int child);
 
+/// The albedo that stands in for 1 and more: with them the balance of a closed scene has no solution.
+inline constexpr float largest_reflectance = 0.999f;
+
 /// All elements of a scene. REQUIRES: shapes and materials outlive it.
 class ElementMesh {
  public:
@@ -82,7 +85,7 @@ class ElementMesh {
 
   /// Leaves only this fraction of each element's area: the rest is buried under other surfaces and plays no
   /// part. An element of fraction 0 is as good as none.
-  void expose(std::span<const double> fraction);
+  void expose(std::span<const float> fraction);
   /// Area of the exposed part of the true surface (on a sphere of the spherical triangle).
   [[nodiscard]] double area(std::uint32_t element) const { return area_[element]; }
   /// sqrt(area).

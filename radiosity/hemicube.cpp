@@ -5,7 +5,7 @@
 
 #include "radiosity/analytic_exchange.h"
 #include "radiosity/hemicube_pixels.h"
-#include "radiosity/ray_survey.h"
+#include "radiosity/landing.h"
 #include "render/core/error.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"

@@ -34,11 +34,13 @@ enum class Solver {
   progressive,   ///< shoots: relaxes columns in the order of unshot power
   cg,            ///< conjugate gradients on the symmetric form
   lu,            ///< Gaussian elimination: exact, for at most `lu_max_elements`
+  stochastic,    ///< shoots power along random rays; no form factors, memory grows with the elements only
 };
 
 inline constexpr Named<Solver> solver_names[] = {
     {"auto", Solver::automatic},          {"jacobi", Solver::jacobi}, {"gauss-seidel", Solver::gauss_seidel},
     {"progressive", Solver::progressive}, {"cg", Solver::cg},         {"lu", Solver::lu},
+    {"stochastic", Solver::stochastic},
 };
 
 /// How the surfaces are divided into elements.
@@ -63,7 +65,8 @@ struct RadiosityOptions {
   /// Most elements, as long as one a triangle and side is enough; 0: a number that suits the method.
   std::size_t max_elements = 0;
   Subdivision subdivision = Subdivision::uniform;
-  /// Rays an element, for the method `rays` and for what is seen through specular surfaces; 0: chosen.
+  /// Rays an element, for the method `rays`, for what is seen through specular surfaces and for the solver
+  /// `stochastic`; 0: chosen, for `stochastic` so that its noise is within `relative_error`, too.
   std::uint32_t rays_per_element = 0;
   /// Pixels along an edge of the top of a hemicube, for the method `hemicube`: even, from 2 to 1024.
   int hemicube_resolution = 64;
@@ -75,13 +78,15 @@ struct RadiosityOptions {
 struct RadiosityStats {
   std::string solver, form_factors;  ///< names of what was used
   std::size_t elements = 0;
-  std::size_t links = 0;       ///< non-zero form factors, those through specular surfaces included
-  std::size_t iterations = 0;  ///< sweeps (jacobi, gauss-seidel), products (cg), shots (progressive), 1 (lu)
-  std::uint64_t rays = 0;      ///< all rays cast, shadow rays included
+  std::size_t links = 0;  ///< non-zero form factors, those through specular surfaces included
+  /// Sweeps over all elements (jacobi, gauss-seidel, stochastic), products (cg), shots (progressive), 1 (lu).
+  std::size_t iterations = 0;
+  std::uint64_t rays = 0;  ///< all rays cast, shadow rays included
   /// Sum of area x |residual| over sum of area x radiosity, of the worst channel.
   double residual = 0.0;
   /// Guaranteed upper bound of the sum of area x |error| over the sum of area x radiosity, of the worst
-  /// channel: the error of having stopped early, not that of the elements' size or of the form factors.
+  /// channel: the error of having stopped early, not that of the elements' size or of the form factors. For
+  /// `stochastic` the expected noise is added, which takes the guarantee away.
   double error_bound = 0.0;
   /// Largest |sum of an element's form factors - 1| before enforcement; 0 where the scene is not closed.
   double closure_error = 0.0;

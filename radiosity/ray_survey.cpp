@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "radiosity/landing.h"
 #include "radiosity/specular_path.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
@@ -14,8 +15,7 @@ namespace {
 // What the rays of one element have found besides their landings.
 struct Finding {
   std::vector<SpecularLink> links;
-  double exposed = 1.0;  // fraction of the rays that started at exposed points
-  C3d sky{0.0};          // sum over rays of what they carry from the sky, in units of its radiance
+  C3d sky{0.0};  // sum over rays of what they carry from the sky, in units of its radiance
 };
 
 constexpr double smallest_exposed = 1.0 / 16.0;
@@ -30,21 +30,36 @@ struct Tally {
   std::atomic<std::uint64_t> lamp{0}, black{0}, specular{0}, sky{0}, rays{0};
 };
 
-std::uint32_t landing_without_element(const Scene& scene, const SurfacePoint& point) {
-  return is_black(scene.emitted_radiance(point)) ? RaySurvey::on_black : RaySurvey::on_lamp;
+// How the survey's list says it.
+std::uint32_t code_of(const Landing& landing) {
+  switch (landing.kind) {
+    case Landing::on_element:
+      return landing.element;
+    case Landing::on_lamp:
+      return RaySurvey::on_lamp;
+    case Landing::on_black:
+      return RaySurvey::on_black;
+    case Landing::on_specular:
+      return RaySurvey::on_specular;
+    case Landing::in_the_sky:
+      return RaySurvey::in_the_sky;
+    case Landing::buried:
+      break;
+  }
+  return RaySurvey::buried;
 }
 
 class ElementSurvey {
  public:
   ElementSurvey(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed)
-      : scene_(scene), mesh_(mesh), seed_(seed) {}
+      : scene_(scene), mesh_(mesh), element_rays_(scene, mesh), seed_(seed) {}
 
-  // Casts the rays of an element and writes their landings.
+  // Casts the rays of an element and writes their landings, sorted.
   Finding run(std::uint32_t element, std::span<std::uint32_t> landings, std::uint64_t& rays) const {
     Finding finding;
     if (!(mesh_.area(element) > 0.0)) {
       std::fill(landings.begin(), landings.end(), RaySurvey::buried);
-      return {{}, 0.0, C3d(0.0)};
+      return finding;
     }
     const ElementSampler sample(mesh_, element);
     const float size = mesh_.size(element);
@@ -56,50 +71,20 @@ class ElementSurvey {
     }
     std::sort(landings.begin(), landings.end());
     const auto exposed = static_cast<double>(count_exposed(landings));
-    finding.exposed = exposed / static_cast<double>(landings.size());
+    // What is left of an element that is all but buried is too little for a measurement.
+    if (exposed < smallest_exposed * static_cast<double>(landings.size())) return {};
     merge_links(finding.links, static_cast<float>(1.0 / exposed));
     finding.sky *= 1.0 / exposed;
-    // What is left of an element that is all but buried is too little for a measurement.
-    if (finding.exposed < smallest_exposed) finding = {{}, 0.0, C3d(0.0)};
     return finding;
   }
 
  private:
   std::uint32_t cast(const Ray& ray, const V3f& normal, float size, Sampler& sampler, Finding& finding,
                      std::uint64_t& rays) const {
-    const Hit hit = scene_.caster().intersect(ray);
-    ++rays;
-    if (hit.escaped()) {
-      finding.sky += C3d(1.0);
-      return RaySurvey::in_the_sky;
-    }
-    const SurfacePoint point = scene_.surface_point(ray, hit);
-    if (is_covered(ray, hit, point, normal, size)) return RaySurvey::buried;
-    const std::uint32_t element = mesh_.find(point);
-    if (element != no_index) return element;
-    if (shows_inside(point))
-      return is_inside_solid(ray, normal, sampler, rays) ? RaySurvey::buried : RaySurvey::on_black;
-    if (!is_specular(scene_.bsdf(point))) return landing_without_element(scene_, point);
-    follow(ray, point, sampler, finding, rays);
-    return RaySurvey::on_specular;
-  }
-
-  // The black back of a one-sided surface: most likely the inside of something solid.
-  [[nodiscard]] bool shows_inside(const SurfacePoint& point) const {
-    return point.side == back && mesh_.has_elements(point.shape, front) &&
-           is_black(scene_.emitted_radiance(point)) && !is_specular(scene_.bsdf(point));
-  }
-
-  // Whether two more rays from the same place see the inside of something solid, too: then it surrounds them.
-  [[nodiscard]] bool is_inside_solid(const Ray& ray, const V3f& normal, Sampler& sampler,
-                                     std::uint64_t& rays) const {
-    for (int probe = 0; probe < 2; ++probe) {
-      const Ray other{ray.origin, Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
-      const Hit hit = scene_.caster().intersect(other);
-      ++rays;
-      if (hit.escaped() || !shows_inside(scene_.surface_point(other, hit))) return false;
-    }
-    return true;
+    const Landing landing = element_rays_.cast(ray, normal, size, sampler, rays);
+    if (landing.kind == Landing::in_the_sky) finding.sky += C3d(1.0);
+    if (landing.kind == Landing::on_specular) follow(ray, landing.point, sampler, finding, rays);
+    return code_of(landing);
   }
 
   // (R15): a specular surface is not an end but a continuation.
@@ -132,6 +117,7 @@ class ElementSurvey {
 
   const Scene& scene_;
   const ElementMesh& mesh_;
+  ElementRays element_rays_;
   std::uint32_t seed_;
 };
 
@@ -146,68 +132,68 @@ void count_landings(std::span<const std::uint32_t> sorted, Tally& tally) {
   tally.sky += count(RaySurvey::in_the_sky);
 }
 
-SpecularLinks join_links(std::vector<Finding>& findings) {
+SpecularLinks join_links(const std::vector<std::vector<SpecularLink>>& links) {
   SpecularLinks all;
   std::size_t total = 0;
-  for (const Finding& finding : findings) total += finding.links.size();
+  for (const auto& own : links) total += own.size();
   if (total == 0) return all;
   all.link.reserve(total);
-  all.first.reserve(findings.size() + 1);
-  for (const Finding& finding : findings) {
+  all.first.reserve(links.size() + 1);
+  for (const auto& own : links) {
     all.first.push_back(all.link.size());
-    all.link.insert(all.link.end(), finding.links.begin(), finding.links.end());
+    all.link.insert(all.link.end(), own.begin(), own.end());
   }
   all.first.push_back(all.link.size());
   return all;
 }
 
-double share_of(std::span<const std::uint32_t> sorted, std::uint32_t first, std::uint32_t last) {
+float share_of(std::span<const std::uint32_t> sorted, std::uint32_t first, std::uint32_t last) {
   const auto begin = std::lower_bound(sorted.begin(), sorted.end(), first);
   const auto end = std::upper_bound(sorted.begin(), sorted.end(), last);
   const std::size_t exposed = count_exposed(sorted);
-  return exposed == 0 ? 0.0 : static_cast<double>(end - begin) / static_cast<double>(exposed);
+  return exposed == 0 ? 0.0f
+                      : static_cast<float>(static_cast<double>(end - begin) / static_cast<double>(exposed));
+}
+
+float exposed_part(std::span<const std::uint32_t> sorted) {
+  const double part = static_cast<double>(count_exposed(sorted)) / static_cast<double>(sorted.size());
+  return part < smallest_exposed ? 0.0f : static_cast<float>(part);
 }
 
 }  // namespace
 
-bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point, const V3f& normal, float size) {
-  return point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
-}
-
-double RaySurvey::share_on_elements(std::uint32_t element) const {
-  return share_of(landings_of(element), 0, on_lamp - 1);
-}
-double RaySurvey::share_on_specular(std::uint32_t element) const {
-  return share_of(landings_of(element), on_specular, on_specular);
-}
-
-double RaySurvey::share_in_sky(std::uint32_t element) const {
-  return share_of(landings_of(element), in_the_sky, in_the_sky);
-}
-
 RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uint32_t rays_per_element,
-                           std::uint32_t seed) {
+                           std::uint32_t seed, Keep keep) {
+  const std::size_t n = mesh.count();
   RaySurvey survey;
   survey.rays_per_element = rays_per_element;
-  survey.landings.resize(mesh.count() * rays_per_element);
-  std::vector<Finding> findings(mesh.count());
+  if (keep == Keep::landings) survey.landings.resize(n * rays_per_element);
+  survey.exposed.resize(n);
+  survey.shares.resize(n);
+  survey.sky.resize(n, C3f(0.0f));
+  std::vector<std::vector<SpecularLink>> links(keep == Keep::totals ? 0 : n);
   const ElementSurvey element_survey(scene, mesh, seed);
   Tally tally;
-  parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
+  parallel_for(n, 32, [&](std::size_t begin, std::size_t end) {
     throw_if_interrupted();
     std::uint64_t rays = 0;
+    std::vector<std::uint32_t> own(rays_per_element);
     for (std::size_t i = begin; i < end; ++i) {
-      const auto landings = std::span(survey.landings).subspan(i * rays_per_element, rays_per_element);
-      findings[i] = element_survey.run(static_cast<std::uint32_t>(i), landings, rays);
+      const std::span<std::uint32_t> landings =
+          keep == Keep::landings ? std::span(survey.landings).subspan(i * rays_per_element, rays_per_element)
+                                 : std::span(own);
+      Finding finding = element_survey.run(static_cast<std::uint32_t>(i), landings, rays);
       count_landings(landings, tally);
+      survey.exposed[i] = exposed_part(landings);
+      survey.shares[i] = {share_of(landings, 0, RaySurvey::on_lamp - 1),
+                          share_of(landings, RaySurvey::on_specular, RaySurvey::on_specular),
+                          share_of(landings, RaySurvey::in_the_sky, RaySurvey::in_the_sky)};
+      survey.sky[i] = C3f(finding.sky * C3d(scene.sky()) * pi);
+      if (keep != Keep::totals) links[i] = std::move(finding.links);
     }
     tally.rays += rays;
   });
-  survey.specular = join_links(findings);
-  for (const Finding& finding : findings) {
-    survey.exposed.push_back(finding.exposed);
-    survey.sky.push_back(finding.sky * C3d(scene.sky()) * pi);
-  }
+  survey.specular = join_links(links);
   survey.met_lamp = tally.lamp;
   survey.met_black = tally.black;
   survey.met_specular = tally.specular;

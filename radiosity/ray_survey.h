@@ -18,38 +18,46 @@ struct RaySurvey {
     buried = 0xffffffff,  ///< the ray started under another surface, where no light comes: it does not count
   };
 
+  /// Fractions of an element's rays from exposed points, by what they met first.
+  struct Shares {
+    float on_elements = 0.0f, on_specular = 0.0f, in_the_sky = 0.0f;
+  };
+
   std::uint32_t rays_per_element = 0;
   /// `rays_per_element` entries an element, ascending: the elements that its rays met first, then the others.
+  /// Only with Keep::landings.
   std::vector<std::uint32_t> landings;
-  SpecularLinks specular;
-  std::vector<double> exposed;  ///< by element: the fraction of its surface that is not buried; 0 below 1/16
-  std::vector<C3d> sky;         ///< irradiance from the sky by element, direct and over specular surfaces
+  SpecularLinks specular;      ///< not with Keep::totals
+  std::vector<float> exposed;  ///< by element: the fraction of its surface that is not buried; 0 below 1/16
+  std::vector<Shares> shares;  ///< by element
+  std::vector<C3f> sky;        ///< irradiance from the sky by element, direct and over specular surfaces
   std::uint64_t met_lamp = 0, met_black = 0, met_specular = 0, met_sky = 0;
   std::uint64_t rays = 0;  ///< all rays cast
 
   [[nodiscard]] std::span<const std::uint32_t> landings_of(std::uint32_t element) const {
     return std::span(landings).subspan(std::size_t{element} * rays_per_element, rays_per_element);
   }
-  /// The fraction of an element's rays from exposed points that landed on other elements directly.
-  [[nodiscard]] double share_on_elements(std::uint32_t element) const;
-  /// The fraction of an element's rays from exposed points that met a specular surface first.
-  [[nodiscard]] double share_on_specular(std::uint32_t element) const;
-  /// The fraction of an element's rays from exposed points that left the scene.
-  [[nodiscard]] double share_in_sky(std::uint32_t element) const;
   /// No ray left the scene, up to the few that slip through an edge, and there is nothing specular.
-  [[nodiscard]] bool is_closed() const { return met_specular == 0 && met_sky * 100000 <= landings.size(); }
+  [[nodiscard]] bool is_closed() const {
+    return met_specular == 0 && met_sky * 100000 <= exposed.size() * rays_per_element;
+  }
+  /// All that an element sees are elements.
+  [[nodiscard]] bool sees_only_elements() const { return is_closed() && met_black == 0 && met_lamp == 0; }
 };
 
-/// Whether what a ray from an element of the given normal and size (ElementMesh::size) has met lies right on
-/// top of it: parallel and much closer than the element is large, like a lamp on a ceiling, a carpet.
-bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point, const V3f& normal, float size);
+/// What a survey is for.
+enum class Keep {
+  totals,    ///< 28 bytes an element: exposed parts, shares, sky
+  links,     ///< that, and links over specular surfaces
+  landings,  ///< that, and every landing, 4 bytes a ray: for `exchange_from_landings`
+};
 
 /// Rays stratified over each element and its hemisphere. The same result on any number of threads.
 RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uint32_t rays_per_element,
-                           std::uint32_t seed);
+                           std::uint32_t seed, Keep keep = Keep::landings);
 
 /// The estimate of the exchange from the landings of both elements (R13). Symmetric; the sums of its rows are
-/// off by the statistics.
+/// off by the statistics. REQUIRES: a survey that kept its landings.
 ExchangeMatrix exchange_from_landings(const RaySurvey& survey, const ElementMesh& mesh);
 
 }  // namespace twopass

@@ -1,14 +1,8 @@
-#include <bit>
-
 #include "radiosity/adaptive.h"
-#include "radiosity/analytic_exchange.h"
-#include "radiosity/caustics.h"
-#include "radiosity/direct_irradiance.h"
-#include "radiosity/enforce.h"
-#include "radiosity/hemicube.h"
-#include "radiosity/ray_survey.h"
+#include "radiosity/assemble.h"
 #include "radiosity/solution.h"
 #include "radiosity/solvers.h"
+#include "radiosity/stochastic.h"
 #include "radiosity/subdivision.h"
 #include "render/core/error.h"
 
@@ -20,158 +14,16 @@ namespace {
 // way round. Detailed scenes get one element for eight sides of triangles, up to the limit.
 constexpr std::size_t least_elements_rays = 16384, most_elements_rays = 262144;
 constexpr std::size_t default_elements_analytic = 1500;
-// Adaptive substructuring starts with this part of the elements.
+// Adaptive substructuring starts with this part of the elements, and its pilot solutions, which only have to
+// show where the light changes, with so many rays an element.
 constexpr std::size_t coarse_part = 8;
-// The albedo that stands in for 1 and more: with them the balance of a closed scene has no solution.
-constexpr float largest_reflectance = 0.999f;
+constexpr std::uint32_t pilot_rays = 64;
+// Rays an element of the solver `stochastic` before it looks at its noise.
+constexpr double first_stochastic_rays = 16.0;
 // The part of the error that the iteration may use up.
 constexpr double iteration_share = 0.1;
 // An iteration cannot promise less than rounding allows.
 constexpr double smallest_relative_error = 1e-10;
-
-// About a million rays in all, a power of two for each element because such sets are the best stratified.
-std::uint32_t default_rays(std::size_t elements) {
-  const std::size_t rays = (std::size_t{1} << 20) / std::max<std::size_t>(1, elements);
-  return static_cast<std::uint32_t>(std::bit_floor(std::clamp<std::size_t>(rays, 32, 4096)));
-}
-
-// A pilot solution only has to show where the light changes.
-std::uint32_t pilot_rays(std::size_t elements) { return std::min(default_rays(elements), 256u); }
-
-std::vector<C3f> clamped_reflectances(const ElementMesh& mesh, RadiosityStats& stats) {
-  std::vector<C3f> reflectance(mesh.count());
-  std::size_t clamped = 0;
-  for (std::uint32_t i = 0; i < mesh.count(); ++i) {
-    const C3f& rho = mesh.reflectance(i);
-    for (int c = 0; c < 3; ++c) reflectance[i][c] = std::clamp(rho[c], 0.0f, largest_reflectance);
-    if (reflectance[i] != rho) ++clamped;
-  }
-  if (clamped > 0)
-    stats.notes.push_back("reflectance clamped to 0.999 on " + std::to_string(clamped) +
-                          " elements: a closed scene without absorption has no balance");
-  return reflectance;
-}
-
-// What the rows of the exchange should add up to, as far as the method knows; then, for every method, what they
-// must not exceed for the error bound to hold.
-class Enforcement {
- public:
-  Enforcement(const RaySurvey& survey, const std::vector<double>& area, FormFactorMethod method)
-      : survey_(survey),
-        area_(area),
-        by_rays_(method == FormFactorMethod::rays || method == FormFactorMethod::hemicube) {}
-
-  void apply(ExchangeMatrix& exchange, const std::vector<double>& exchange_with_lamps,
-             RadiosityStats& stats) const {
-    const std::size_t n = area_.size();
-    std::vector<double> fixed(n, 0.0), target(n, 0.0), limit(n);
-    stats.closed = survey_.is_closed();
-    // Analytic factors are better than the statistics of rays (and of pixels). Their sums are only known where
-    // everything that an element sees is an element or a lamp with factors of its own.
-    const bool lamps_known = survey_.met_lamp == 0 || !exchange_with_lamps.empty();
-    const bool sums_known = by_rays_ || (survey_.is_closed() && survey_.met_black == 0 && lamps_known);
-    if (!by_rays_ && sums_known && !exchange_with_lamps.empty()) fixed = exchange_with_lamps;
-    for (std::uint32_t i = 0; i < n; ++i) {
-      target[i] = area_[i] * (by_rays_ ? share_on_elements(i) : 1.0);
-      limit[i] = area_[i] * (1.0 - survey_.share_on_specular(i));
-    }
-    if (stats.closed && sums_known) stats.closure_error = closure_error(exchange, fixed, target);
-    if (sums_known) scale_to_row_sums(exchange, fixed, target, area_, stats.closed ? 1e-7 : 1e-3);
-    // A closed scene's sums are as good as rounding allows: capping would only take from them.
-    if (!(stats.closed && sums_known)) cap_row_sums(exchange, limit);
-  }
-
- private:
-  // In a closed scene a ray that leaves has slipped through an edge: it counts as if it had not been cast.
-  [[nodiscard]] double share_on_elements(std::uint32_t i) const {
-    const double leaked = survey_.is_closed() ? survey_.share_in_sky(i) : 0.0;
-    return leaked < 1.0 ? survey_.share_on_elements(i) / (1.0 - leaked) : 1.0;
-  }
-
-  [[nodiscard]] double closure_error(const ExchangeMatrix& exchange, const std::vector<double>& fixed,
-                                     const std::vector<double>& target) const {
-    const std::vector<double> sum = row_sums(exchange);
-    double worst = 0.0;
-    for (std::size_t i = 0; i < area_.size(); ++i)
-      if (area_[i] > 0.0) worst = std::max(worst, std::abs(sum[i] + fixed[i] - target[i]) / area_[i]);
-    return worst;
-  }
-
-  const RaySurvey& survey_;
-  const std::vector<double>& area_;
-  bool by_rays_;
-};
-
-// Keeps the bound where media of different index amplify radiance: no row's sum, specular links included,
-// above 1.
-void cap_specular_links(Balance& balance) {
-  if (balance.specular.first.empty()) return;
-  const std::vector<double> direct = row_sums(balance.exchange);
-  for (std::uint32_t i = 0; i < balance.count(); ++i) {
-    if (!(balance.area[i] > 0.0)) continue;
-    const double room = std::max(0.0, 1.0 - direct[i] / balance.area[i]);
-    C3d sum(0.0);
-    for (const SpecularLink& link : balance.specular.of(i)) sum += C3d(link.weight);
-    const double largest = std::max({sum.x, sum.y, sum.z});
-    if (largest <= room) continue;
-    for (std::size_t k = balance.specular.first[i]; k < balance.specular.first[i + 1]; ++k)
-      balance.specular.link[k].weight *= static_cast<float>(room / largest);
-  }
-}
-
-SolverResult run_solver(Solver solver, const Balance& balance, const RadiosityOptions& options) {
-  if (options.max_reflections >= 0) return solve_series(balance, options.max_reflections);
-  const StopRule stop{std::max(iteration_share * options.relative_error, smallest_relative_error)};
-  switch (solver) {
-    case Solver::lu:
-      return solve_lu(balance);
-    case Solver::progressive:
-      return solve_progressive(balance, stop, options.overshoot);
-    case Solver::jacobi:
-      return solve_jacobi(balance, stop);
-    case Solver::cg:
-      return solve_cg(balance, stop);
-    case Solver::automatic:
-    case Solver::gauss_seidel:
-      break;
-  }
-  return solve_gauss_seidel(balance, stop);
-}
-
-ExchangeMatrix exchange_by(FormFactorMethod method, const Scene& scene, const ElementMesh& mesh,
-                           const RaySurvey& survey, const RadiosityOptions& options, std::uint64_t& rays) {
-  if (method == FormFactorMethod::rays) return exchange_from_landings(survey, mesh);
-  if (method == FormFactorMethod::hemicube)
-    return hemicube_exchange(scene, mesh, options.hemicube_resolution, options.seed, rays);
-  return analytic_exchange(mesh, scene.caster(), method, options.seed, rays);
-}
-
-// Everything of the balance: form factors by `method`, enforced, and direct irradiance.
-Balance assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                 FormFactorMethod method, RadiosityStats& stats) {
-  Balance balance;
-  balance.reflectance = clamped_reflectances(mesh, stats);
-  const std::uint32_t rays = options.rays_per_element ? options.rays_per_element : default_rays(mesh.count());
-  RaySurvey survey = survey_with_rays(scene, mesh, rays, options.seed);
-  stats.rays += survey.rays;
-  mesh.expose(survey.exposed);
-  for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.area.push_back(mesh.area(i));
-  balance.exchange = exchange_by(method, scene, mesh, survey, options, stats.rays);
-  const bool all_elements = survey.is_closed() && survey.met_black == 0 && survey.met_lamp == 0;
-  DirectIrradiance direct = direct_irradiance(scene, mesh, method, all_elements, options.seed, stats.rays);
-  Enforcement(survey, balance.area, method).apply(balance.exchange, direct.exchange_with_lamps, stats);
-
-  balance.direct = std::move(direct.irradiance);
-  for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.direct[i] += survey.sky[i];
-  if (survey.met_specular > 0) {
-    const std::size_t paths = std::size_t{rays} * mesh.count();
-    const std::vector<C3d> caustics = caustic_irradiance(scene, mesh, paths, options.seed, stats.rays);
-    for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.direct[i] += caustics[i];
-  }
-  balance.specular = std::move(survey.specular);
-  cap_specular_links(balance);
-  return balance;
-}
 
 // What `automatic` and 0 stand for.
 struct Choice {
@@ -189,14 +41,23 @@ std::size_t default_elements_rays(const Scene& scene) {
   return std::clamp(sides / 8, least_elements_rays, most_elements_rays);
 }
 
+void refuse_form_factors_with(const char* solver, FormFactorMethod method) {
+  if (method == FormFactorMethod::automatic || method == FormFactorMethod::rays) return;
+  std::string what("finds its own form factors and uses no ");
+  what += name_of_value<FormFactorMethod>(form_factor_method_names, method);
+  throw Error(solver, what, "leave --form-factors out");
+}
+
 Choice choose(const Scene& scene, const RadiosityOptions& options) {
   Choice choice;
   const bool by_rays =
       options.form_factors == FormFactorMethod::automatic || options.form_factors == FormFactorMethod::rays;
   choice.method = by_rays ? FormFactorMethod::rays : options.form_factors;
   choice.solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
+  if (choice.solver == Solver::stochastic)
+    refuse_form_factors_with("--solver stochastic", options.form_factors);
   if (options.overshoot && choice.solver != Solver::progressive)
-    throw Error("overshoot", "only the solver progressive shoots", "use --solver progressive with it");
+    throw Error("--overshoot", "only the solver progressive shoots", "use --solver progressive with it");
   choice.max_elements = by_rays ? default_elements_rays(scene) : default_elements_analytic;
   if (choice.solver == Solver::lu)
     choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
@@ -204,15 +65,36 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
   return choice;
 }
 
-// Solves on the given elements and fills in what the statistics say of it, adding up rays.
-std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                                 const Choice& choice, RadiosityStats& stats) {
-  const Balance balance = assemble(scene, mesh, options, choice.method, stats);
-  const SolverResult result =
-      run_solver(choice.solver, balance, options);
+SolverResult run_solver(Solver solver, const Balance& balance, const RadiosityOptions& options) {
+  if (options.max_reflections >= 0) return solve_series(balance, options.max_reflections);
+  const StopRule stop{std::max(iteration_share * options.relative_error, smallest_relative_error)};
+  switch (solver) {
+    case Solver::lu:
+      return solve_lu(balance);
+    case Solver::progressive:
+      return solve_progressive(balance, stop, options.overshoot);
+    case Solver::jacobi:
+      return solve_jacobi(balance, stop);
+    case Solver::cg:
+      return solve_cg(balance, stop);
+    case Solver::automatic:
+    case Solver::gauss_seidel:
+    case Solver::stochastic:  // has no balance to solve
+      break;
+  }
+  return solve_gauss_seidel(balance, stop);
+}
+
+std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh& mesh,
+                                                const RadiosityOptions& options, const Choice& choice,
+                                                RadiosityStats& stats) {
+  const Balance balance = assemble_balance(scene, mesh, options, choice.method, stats);
+  const SolverResult result = run_solver(choice.solver, balance, options);
   std::vector<Irradiance> irradiance(mesh.count());
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i] = {C3f(balance.direct[i]), C3f(result.irradiance[i])};
+  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, choice.solver);
+  stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);
   stats.links = static_cast<std::size_t>(balance.exchange.nonZeros()) + balance.specular.link.size();
   stats.iterations = result.iterations;
   stats.residual = result.error.residual;
@@ -223,11 +105,43 @@ std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const Ra
   return irradiance;
 }
 
+std::vector<Irradiance> solve_stochastically(const Scene& scene, ElementMesh& mesh,
+                                             const RadiosityOptions& options, RadiosityStats& stats) {
+  clamped_reflectances(mesh, stats);  // says so
+  const std::vector<C3f> direct = find_first_light(scene, mesh, options, Keep::totals, stats).direct;
+  StochasticOptions stochastic;
+  stochastic.relative_error = std::max(options.relative_error, smallest_relative_error);
+  stochastic.until_relative_error = options.rays_per_element == 0;
+  stochastic.rays_per_element =
+      stochastic.until_relative_error ? first_stochastic_rays : options.rays_per_element;
+  stochastic.max_reflections = options.max_reflections;
+  stochastic.seed = options.seed;
+  const StochasticResult result = solve_stochastic(scene, mesh, direct, stochastic);
+  stats.solver = name_of_value<Solver>(solver_names, Solver::stochastic);
+  stats.form_factors = "none";
+  stats.iterations = result.iterations;
+  stats.rays += result.rays;
+  stats.residual = result.residual;
+  stats.error_bound = result.error_bound;
+  stats.memory_bytes = mesh.memory_bytes() + mesh.count() * stochastic_bytes_per_element;
+  std::vector<Irradiance> irradiance(mesh.count());
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) irradiance[i] = {direct[i], result.irradiance[i]};
+  return irradiance;
+}
+
+// Solves on the given elements, exposes them, and fills in the statistics, adding up rays.
+std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                                 const Choice& choice, RadiosityStats& stats) {
+  stats.elements = mesh.count();
+  if (choice.solver == Solver::stochastic) return solve_stochastically(scene, mesh, options, stats);
+  return solve_with_form_factors(scene, mesh, options, choice, stats);
+}
+
 // Refines the coarse elements where solutions on them say that it matters, up to the number allowed.
 ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
                               const Choice& choice, RadiosityStats& stats) {
   RadiosityOptions pilot = options;
-  if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays(mesh.count());
+  if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
   while (mesh.count() + 3 <= choice.max_elements) {
     RadiosityStats pilot_stats;
     const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, choice, pilot_stats);
@@ -250,17 +164,16 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
   const bool adaptive = options.subdivision == Subdivision::adaptive;
   ElementMesh mesh = divide_surfaces(scene, adaptive ? choice.max_elements / coarse_part : choice.max_elements);
   RadiosityStats stats;
-  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, choice.solver);
-  stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);
   const bool is_dark = scene.lights().empty() && is_black(scene.sky());
   if (mesh.count() == 0 || is_dark) {
+    stats.solver = name_of_value<Solver>(solver_names, choice.solver);
+    stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);
     stats.elements = mesh.count();
     stats.notes.push_back(is_dark ? "nothing emits light" : "no surface reflects light diffusely");
     std::vector<Irradiance> darkness(mesh.count());
     return Solution(std::move(mesh), std::move(darkness), std::move(stats));
   }
   if (adaptive) mesh = refine_adaptively(scene, std::move(mesh), options, choice, stats);
-  stats.elements = mesh.count();
   std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
 }

@@ -105,8 +105,8 @@ TEST(Elements, ExposedPartsShrinkTheArea) {
   const Scene scene = two_sided_scene();
   ElementMesh mesh = divide_surfaces(scene, 0);
   const double area = mesh.area(0), other = mesh.area(1);
-  std::vector<double> fraction(mesh.count(), 1.0);
-  fraction[0] = 0.25;
+  std::vector<float> fraction(mesh.count(), 1.0f);
+  fraction[0] = 0.25f;
   mesh.expose(fraction);
   EXPECT_DOUBLE_EQ(mesh.area(0), 0.25 * area);
   EXPECT_DOUBLE_EQ(mesh.area(1), other);

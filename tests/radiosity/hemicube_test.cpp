@@ -1,9 +1,9 @@
 #include "radiosity/hemicube.h"
-#include "radiosity/hemicube_pixels.h"
 
 #include <gtest/gtest.h>
 
 #include "radiosity/form_factor_pair.h"
+#include "radiosity/hemicube_pixels.h"
 #include "radiosity/lambert.h"
 #include "radiosity/solution.h"
 #include "radiosity/subdivision.h"
@@ -83,7 +83,7 @@ TEST(Hemicube, RefusesWhatIsNoCube) {
 TEST(Hemicube, SeesWhatThePointSeesToTheResolutionOfThePicture) {
   for (const float distance : {0.2f, 1.0f, 3.0f}) {
     const Scene scene(test::plates(distance, 0.5f));
-    const ElementMesh mesh = divide_surfaces(scene, 1);
+    const ElementMesh mesh = divide_surfaces(scene, 0);
     ASSERT_EQ(mesh.count(), 4u);
     double last_error = 1.0;
     for (const int resolution : {8, 32, 256}) {
@@ -129,14 +129,14 @@ TEST(Hemicube, UnitSquaresApproachTheExactExchange) {
 // their surroundings do, and no number of pixels helps; and pixels miss what is smaller than they are.
 TEST(Hemicube, TakesElementsForPointsAndMissesWhatIsSmallerThanAPixel) {
   const Scene close(test::plates(0.2f, 0.5f));
-  const ElementMesh mesh = divide_surfaces(close, 1);
+  const ElementMesh mesh = divide_surfaces(close, 0);
   const V3d x(1, 0, 0), y(0, 1, 0);
   const double exact = exchange_exact(parallelogram(V3d(0.0), x, y), parallelogram(V3d(0, 0, 0.2), y, x), 1e-9);
   for (const int resolution : {64, 256})
     EXPECT_GT(exchange_of_shapes(mesh, exchange_of(close, mesh, resolution), 0, 1), 1.1 * exact);
 
   const Scene far(test::plates(60.0f, 0.5f));
-  const ElementMesh distant = divide_surfaces(far, 1);
+  const ElementMesh distant = divide_surfaces(far, 0);
   const double truth = exchange_exact(distant.patch(0).polygon(), distant.patch(2).polygon());
   // A pixel of the top covers 60 * 2 / 8 = 15 squares' edges: all or nothing, 225 times too much.
   for (std::uint32_t seed = 0; seed < 4; ++seed) {
@@ -167,7 +167,7 @@ TEST(Hemicube, CoveredCentroidsSeeNothing) {
   const V3f third(0.6667f, 0.3333f, 0.001f), x(0.02f, 0, 0), y(0, 0.02f, 0);
   test::add_diffuse(description, "carpet", test::quad(third - (x + y) * 0.5f, x, y), C3f(0.0f));
   const Scene scene(std::move(description)), bare(test::plates(1.0f, 0.5f));
-  const ElementMesh mesh = divide_surfaces(scene, 1), bare_mesh = divide_surfaces(bare, 1);
+  const ElementMesh mesh = divide_surfaces(scene, 0), bare_mesh = divide_surfaces(bare, 1);
   ASSERT_EQ(mesh.count(), 4u);
   const ExchangeMatrix covered = exchange_of(scene, mesh, 64), open = exchange_of(bare, bare_mesh, 64);
   for (std::uint32_t i = 0; i < 2; ++i)

@@ -48,10 +48,10 @@ TEST(RaySurvey, SeesTheSkyThroughAnOpening) {
   // The mean over both triangles of the lower square: 1 - F, F the factor of parallel unit squares at
   // distance 1.
   const double open = 1.0 - 0.19982489569838738;
-  const C3d sky = (survey.sky[0] + survey.sky[1]) * 0.5;
+  const C3f sky = (survey.sky[0] + survey.sky[1]) * 0.5f;
   EXPECT_NEAR(sky.x, 2.0 * pi * open, 0.02);
   EXPECT_NEAR(sky.z, 0.5 * pi * open, 0.005);
-  EXPECT_NEAR(survey.share_in_sky(0) + survey.share_on_elements(0), 1.0, 1e-12);
+  EXPECT_NEAR(survey.shares[0].in_the_sky + survey.shares[0].on_elements, 1.0f, 1e-6f);
 }
 
 TEST(RaySurvey, TellsLampsBlackAndSpecularApart) {

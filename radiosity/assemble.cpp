@@ -1,0 +1,168 @@
+#include "radiosity/assemble.h"
+
+#include <bit>
+
+#include "radiosity/analytic_exchange.h"
+#include "radiosity/caustics.h"
+#include "radiosity/direct_irradiance.h"
+#include "radiosity/enforce.h"
+#include "radiosity/hemicube.h"
+
+namespace twopass {
+
+namespace {
+
+// About a million rays in all, a power of two for each element because such sets are the best stratified.
+std::uint32_t rays_of_a_million(std::size_t elements, std::size_t least, std::size_t most) {
+  const std::size_t rays = (std::size_t{1} << 20) / std::max<std::size_t>(1, elements);
+  return static_cast<std::uint32_t>(std::bit_floor(std::clamp<std::size_t>(rays, least, most)));
+}
+
+// What the rows of the exchange should add up to, as far as the method knows; then, for every method, what they
+// must not exceed for the error bound to hold.
+class Enforcement {
+ public:
+  Enforcement(const RaySurvey& survey, const std::vector<double>& area, FormFactorMethod method)
+      : survey_(survey), area_(area), by_rays_(method == FormFactorMethod::rays) {}
+
+  void apply(ExchangeMatrix& exchange, const std::vector<double>& exchange_with_lamps,
+             RadiosityStats& stats) const {
+    const std::size_t n = area_.size();
+    std::vector<double> fixed(n, 0.0), target(n, 0.0), limit(n);
+    stats.closed = survey_.is_closed();
+    // Analytic factors are better than the statistics of rays. Their sums are only known where everything that
+    // an element sees is an element or a lamp with factors of its own.
+    const bool lamps_known = survey_.met_lamp == 0 || !exchange_with_lamps.empty();
+    const bool sums_known = by_rays_ || (survey_.is_closed() && survey_.met_black == 0 && lamps_known);
+    if (!by_rays_ && sums_known && !exchange_with_lamps.empty()) fixed = exchange_with_lamps;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      target[i] = area_[i] * (by_rays_ ? share_on_elements(i) : 1.0);
+      limit[i] = area_[i] * (1.0 - static_cast<double>(survey_.shares[i].on_specular));
+    }
+    if (stats.closed && sums_known) stats.closure_error = closure_error(exchange, fixed, target);
+    double left = infinity_f;
+    if (sums_known) left = scale_to_row_sums(exchange, fixed, target, area_, stats.closed ? 1e-7 : 1e-3);
+    // A closed scene's sums are as good as rounding allows: capping would only take from them. Where scaling
+    // did not get that far, nothing else keeps them below one.
+    if (!(stats.closed && left < 1e-4)) cap_row_sums(exchange, limit);
+  }
+
+ private:
+  // In a closed scene a ray that leaves has slipped through an edge: it counts as if it had not been cast.
+  [[nodiscard]] double share_on_elements(std::uint32_t i) const {
+    const RaySurvey::Shares& shares = survey_.shares[i];
+    const double leaked = survey_.is_closed() ? static_cast<double>(shares.in_the_sky) : 0.0;
+    return leaked < 1.0 ? std::min(1.0, static_cast<double>(shares.on_elements) / (1.0 - leaked)) : 1.0;
+  }
+
+  [[nodiscard]] double closure_error(const ExchangeMatrix& exchange, const std::vector<double>& fixed,
+                                     const std::vector<double>& target) const {
+    const std::vector<double> sum = row_sums(exchange);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < area_.size(); ++i)
+      if (area_[i] > 0.0) worst = std::max(worst, std::abs(sum[i] + fixed[i] - target[i]) / area_[i]);
+    return worst;
+  }
+
+  const RaySurvey& survey_;
+  const std::vector<double>& area_;
+  bool by_rays_;
+};
+
+// Keeps the bound where media of different index amplify radiance: no row's sum, specular links included,
+// above 1.
+void cap_specular_links(Balance& balance) {
+  if (balance.specular.first.empty()) return;
+  const std::vector<double> direct = row_sums(balance.exchange);
+  for (std::uint32_t i = 0; i < balance.count(); ++i) {
+    if (!(balance.area[i] > 0.0)) continue;
+    const double room = std::max(0.0, 1.0 - direct[i] / balance.area[i]);
+    C3d sum(0.0);
+    for (const SpecularLink& link : balance.specular.of(i)) sum += C3d(link.weight);
+    const double largest = std::max({sum.x, sum.y, sum.z});
+    if (largest <= room) continue;
+    for (std::size_t k = balance.specular.first[i]; k < balance.specular.first[i + 1]; ++k)
+      balance.specular.link[k].weight *= static_cast<float>(room / largest);
+  }
+}
+
+ExchangeMatrix exchange_by(FormFactorMethod method, const Scene& scene, const ElementMesh& mesh,
+                           const RaySurvey& survey, const RadiosityOptions& options, std::uint64_t& rays) {
+  if (method == FormFactorMethod::rays) return exchange_from_landings(survey, mesh);
+  if (method == FormFactorMethod::hemicube)
+    return hemicube_exchange(scene, mesh, options.hemicube_resolution, options.seed, rays);
+  return analytic_exchange(mesh, scene.caster(), method, options.seed, rays);
+}
+
+// What reaches elements before the first diffuse reflection, but not straight from emitters.
+void add_sky_and_caustics(std::vector<C3d>& direct, const Scene& scene, const ElementMesh& mesh,
+                          const RaySurvey& survey, std::uint32_t seed, std::uint64_t& rays) {
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += C3d(survey.sky[i]);
+  if (survey.met_specular == 0) return;
+  const std::size_t paths = std::size_t{survey.rays_per_element} * mesh.count();
+  const std::vector<C3d> caustics = caustic_irradiance(scene, mesh, paths, seed, rays);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += caustics[i];
+}
+
+}  // namespace
+
+std::vector<C3f> clamped_reflectances(const ElementMesh& mesh, RadiosityStats& stats) {
+  std::vector<C3f> reflectance(mesh.count());
+  std::size_t clamped = 0;
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) {
+    const C3f& rho = mesh.reflectance(i);
+    for (int c = 0; c < 3; ++c) reflectance[i][c] = std::clamp(rho[c], 0.0f, largest_reflectance);
+    if (reflectance[i] != rho) ++clamped;
+  }
+  if (clamped > 0)
+    stats.notes.push_back("reflectance clamped to 0.999 on " + std::to_string(clamped) +
+                          " elements: a closed scene without absorption has no balance");
+  return reflectance;
+}
+
+Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                         FormFactorMethod method, RadiosityStats& stats) {
+  Balance balance;
+  balance.reflectance = clamped_reflectances(mesh, stats);
+  const std::uint32_t rays =
+      options.rays_per_element ? options.rays_per_element : rays_of_a_million(mesh.count(), 32, 4096);
+  const Keep keep = method == FormFactorMethod::rays ? Keep::landings : Keep::links;
+  RaySurvey survey = survey_with_rays(scene, mesh, rays, options.seed, keep);
+  stats.rays += survey.rays;
+  mesh.expose(survey.exposed);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.area.push_back(mesh.area(i));
+  balance.exchange = exchange_by(method, scene, mesh, survey, options, stats.rays);
+  DirectIrradiance direct =
+      direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed, stats.rays);
+  Enforcement(survey, balance.area, method).apply(balance.exchange, direct.exchange_with_lamps, stats);
+
+  balance.direct = std::move(direct.irradiance);
+  add_sky_and_caustics(balance.direct, scene, mesh, survey, options.seed, stats.rays);
+  balance.specular = std::move(survey.specular);
+  cap_specular_links(balance);
+  return balance;
+}
+
+FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options, Keep keep,
+                            RadiosityStats& stats) {
+  // The survey only says what is buried and open, unless it stands for the light of the sky or of mirrors.
+  const bool has_sky = !is_black(scene.sky());
+  const std::uint32_t rays = rays_of_a_million(mesh.count(), has_sky || keep == Keep::links ? 64 : 16, 1024);
+  RaySurvey survey = survey_with_rays(scene, mesh, rays, options.seed, keep);
+  stats.rays += survey.rays;
+  stats.closed = survey.is_closed();
+  mesh.expose(survey.exposed);
+  FirstLight light;
+  light.sees_only_elements = survey.sees_only_elements();
+  DirectIrradiance direct = direct_irradiance(scene, mesh, FormFactorMethod::rays, light.sees_only_elements,
+                                              options.seed, stats.rays);
+  add_sky_and_caustics(direct.irradiance, scene, mesh, survey, options.seed, stats.rays);
+  light.direct.assign(direct.irradiance.begin(), direct.irradiance.end());
+  if (keep == Keep::links) {
+    light.shares = std::move(survey.shares);
+    light.specular = std::move(survey.specular);
+  }
+  return light;
+}
+
+}  // namespace twopass
