@@ -32,13 +32,12 @@ enum class Solver {
   gauss_seidel,  ///< gathers: relaxes one row after the other
   progressive,   ///< shoots: relaxes columns in the order of unshot power
   lu,            ///< Gaussian elimination: exact, for at most `lu_max_elements`
+  hierarchical,  ///< links between groups of elements instead of a matrix; finds its own form factors
 };
 
 inline constexpr Named<Solver> solver_names[] = {
-    {"auto", Solver::automatic},
-    {"gauss-seidel", Solver::gauss_seidel},
-    {"progressive", Solver::progressive},
-    {"lu", Solver::lu},
+    {"auto", Solver::automatic}, {"gauss-seidel", Solver::gauss_seidel}, {"progressive", Solver::progressive},
+    {"lu", Solver::lu},          {"hierarchical", Solver::hierarchical},
 };
 
 struct RadiosityOptions {
@@ -59,13 +58,16 @@ struct RadiosityOptions {
 struct RadiosityStats {
   std::string solver, form_factors;  ///< names of what was used
   std::size_t elements = 0;
-  std::size_t links = 0;       ///< non-zero form factors, those through specular surfaces included
-  std::size_t iterations = 0;  ///< sweeps over all rows (gauss-seidel), shots (progressive), 1 (lu)
-  std::uint64_t rays = 0;      ///< all rays cast, shadow rays included
+  /// Non-zero form factors, or links of groups (hierarchical), those through specular surfaces included.
+  std::size_t links = 0;
+  /// Sweeps over all rows (gauss-seidel) or links (hierarchical), shots (progressive), 1 (lu).
+  std::size_t iterations = 0;
+  std::uint64_t rays = 0;  ///< all rays cast, shadow rays included
   /// Sum of area x |residual| over sum of area x radiosity, of the worst channel.
   double residual = 0.0;
   /// Guaranteed upper bound of the sum of area x |error| over the sum of area x radiosity, of the worst
-  /// channel: the error of having stopped early, not that of the elements' size or of the form factors.
+  /// channel: the error of having stopped early, not that of the elements' size or of the form factors. For the
+  /// solver `hierarchical` plus an estimate, not guaranteed, of what its links add to that.
   double error_bound = 0.0;
   /// Largest |sum of an element's form factors - 1| before enforcement; 0 where the scene is not closed.
   double closure_error = 0.0;

@@ -4,10 +4,12 @@
 #include "radiosity/caustics.h"
 #include "radiosity/direct_irradiance.h"
 #include "radiosity/enforce.h"
+#include "radiosity/hierarchical.h"
 #include "radiosity/ray_survey.h"
 #include "radiosity/solution.h"
 #include "radiosity/solvers.h"
 #include "radiosity/subdivision.h"
+#include "render/core/error.h"
 
 namespace twopass {
 
@@ -49,24 +51,29 @@ class Enforcement {
   Enforcement(const RaySurvey& survey, const std::vector<double>& area, FormFactorMethod method)
       : survey_(survey), area_(area), by_rays_(method == FormFactorMethod::rays) {}
 
-  void apply(ExchangeMatrix& exchange, const std::vector<double>& exchange_with_lamps,
-             RadiosityStats& stats) const {
+  // What the sums are, or may be.
+  [[nodiscard]] RowSums sums(const std::vector<double>& exchange_with_lamps) const {
     const std::size_t n = area_.size();
-    std::vector<double> fixed(n, 0.0), target(n, 0.0), limit(n);
-    stats.closed = survey_.is_closed();
+    RowSums sums{false, survey_.is_closed(), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0),
+                 std::vector<double>(n)};
     // Analytic factors are better than the statistics of rays. Their sums are only known where everything that
     // an element sees is an element or a lamp with factors of its own.
     const bool lamps_known = survey_.met_lamp == 0 || !exchange_with_lamps.empty();
-    const bool sums_known = by_rays_ || (survey_.is_closed() && survey_.met_black == 0 && lamps_known);
-    if (!by_rays_ && sums_known && !exchange_with_lamps.empty()) fixed = exchange_with_lamps;
+    sums.known = by_rays_ || (survey_.is_closed() && survey_.met_black == 0 && lamps_known);
+    if (!by_rays_ && sums.known && !exchange_with_lamps.empty()) sums.fixed = exchange_with_lamps;
     for (std::uint32_t i = 0; i < n; ++i) {
-      target[i] = area_[i] * (by_rays_ ? share_on_elements(i) : 1.0);
-      limit[i] = area_[i] * (1.0 - survey_.share_on_specular(i));
+      sums.target[i] = area_[i] * (by_rays_ ? share_on_elements(i) : 1.0);
+      sums.limit[i] = area_[i] * (1.0 - survey_.share_on_specular(i));
     }
-    if (stats.closed && sums_known) stats.closure_error = closure_error(exchange, fixed, target);
-    if (sums_known) scale_to_row_sums(exchange, fixed, target, area_, stats.closed ? 1e-7 : 1e-3);
+    return sums;
+  }
+
+  void apply(ExchangeMatrix& exchange, const RowSums& sums, RadiosityStats& stats) const {
+    stats.closed = sums.closed;
+    if (sums.closed && sums.known) stats.closure_error = closure_error(exchange, sums.fixed, sums.target);
+    if (sums.known) scale_to_row_sums(exchange, sums.fixed, sums.target, area_, sums.closed ? 1e-7 : 1e-3);
     // A closed scene's sums are as good as rounding allows: capping would only take from them.
-    if (!(stats.closed && sums_known)) cap_row_sums(exchange, limit);
+    if (!(sums.closed && sums.known)) cap_row_sums(exchange, sums.limit);
   }
 
  private:
@@ -117,14 +124,22 @@ SolverResult run_solver(Solver solver, const Balance& balance, double relative_e
       return solve_progressive(balance, stop);
     case Solver::automatic:
     case Solver::gauss_seidel:
+    case Solver::hierarchical:  // has no such balance
       break;
   }
   return solve_gauss_seidel(balance, stop);
 }
 
-// Everything of the balance: form factors by `method`, enforced, and direct irradiance.
-Balance assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                 FormFactorMethod method, RadiosityStats& stats) {
+// Everything that a solver needs: the balance with form factors by `method`, enforced, and direct irradiance.
+// For the hierarchical solver without form factors; what is known of their sums instead.
+struct Assembly {
+  Balance balance;
+  RowSums sums;
+};
+
+Assembly assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                  FormFactorMethod method, RadiosityStats& stats) {
+  const bool by_links = options.solver == Solver::hierarchical;
   Balance balance;
   balance.reflectance = clamped_reflectances(mesh, stats);
   const std::uint32_t rays = options.rays_per_element ? options.rays_per_element : default_rays(mesh.count());
@@ -132,12 +147,15 @@ Balance assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& 
   stats.rays += survey.rays;
   mesh.expose(survey.exposed);
   for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.area.push_back(mesh.area(i));
-  balance.exchange = method == FormFactorMethod::rays
-                         ? exchange_from_landings(survey, mesh)
-                         : analytic_exchange(mesh, scene.caster(), method, options.seed, stats.rays);
+  if (!by_links)
+    balance.exchange = method == FormFactorMethod::rays
+                           ? exchange_from_landings(survey, mesh)
+                           : analytic_exchange(mesh, scene.caster(), method, options.seed, stats.rays);
   const bool all_elements = survey.is_closed() && survey.met_black == 0 && survey.met_lamp == 0;
   DirectIrradiance direct = direct_irradiance(scene, mesh, method, all_elements, options.seed, stats.rays);
-  Enforcement(survey, balance.area, method).apply(balance.exchange, direct.exchange_with_lamps, stats);
+  const Enforcement enforcement(survey, balance.area, method);
+  RowSums sums = enforcement.sums(direct.exchange_with_lamps);
+  if (!by_links) enforcement.apply(balance.exchange, sums, stats);
 
   balance.direct = std::move(direct.irradiance);
   for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.direct[i] += survey.sky[i];
@@ -147,23 +165,52 @@ Balance assemble(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& 
     for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.direct[i] += caustics[i];
   }
   balance.specular = std::move(survey.specular);
-  cap_specular_links(balance);
-  return balance;
+  if (!by_links) cap_specular_links(balance);
+  return {std::move(balance), std::move(sums)};
+}
+
+// The hierarchical solver, and its statistics.
+SolverResult run_hierarchical(const Scene& scene, const ElementMesh& mesh, const Assembly& assembly,
+                              const RadiosityOptions& options, RadiosityStats& stats) {
+  const Balance& balance = assembly.balance;
+  HierarchicalResult result = solve_hierarchical(
+      scene, mesh,
+      {balance.reflectance, balance.direct, balance.specular, assembly.sums, options.max_reflections},
+      StopRule{options.relative_error}, options.seed);
+  stats.closed = assembly.sums.closed;
+  stats.closure_error = result.closure_error;
+  stats.links = result.links + result.specular_links;
+  stats.rays += result.rays;
+  stats.memory_bytes += result.memory_bytes;
+  return std::move(result.solution);
+}
+
+FormFactorMethod method_for(const RadiosityOptions& options) {
+  const bool unasked = options.form_factors == FormFactorMethod::automatic;
+  if (options.solver != Solver::hierarchical) return unasked ? FormFactorMethod::rays : options.form_factors;
+  if (!unasked && options.form_factors != FormFactorMethod::exact)
+    throw Error("--solver hierarchical",
+                std::string("finds its own form factors on links and uses no ")
+                    .append(name_of_value<FormFactorMethod>(form_factor_method_names, options.form_factors))
+                    .append(" ones"),
+                "leave --form-factors out");
+  return FormFactorMethod::exact;
 }
 
 }  // namespace
 
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
-  const bool by_rays =
-      options.form_factors == FormFactorMethod::automatic || options.form_factors == FormFactorMethod::rays;
-  const FormFactorMethod method = by_rays ? FormFactorMethod::rays : options.form_factors;
+  const FormFactorMethod method = method_for(options);
   const Solver solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
-  std::size_t most = by_rays ? default_elements_rays : default_elements_analytic;
+  const bool by_pairs = method != FormFactorMethod::rays && solver != Solver::hierarchical;
+  std::size_t most = by_pairs ? default_elements_analytic : default_elements_rays;
   if (solver == Solver::lu) most = std::min<std::size_t>(most, lu_max_elements);
   ElementMesh mesh = divide_surfaces(scene, options.max_elements ? options.max_elements : most);
 
   RadiosityStats stats;
-  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, solver);
+  stats.solver = options.max_reflections >= 0 && solver != Solver::hierarchical
+                     ? "series"
+                     : name_of_value<Solver>(solver_names, solver);
   stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, method);
   stats.elements = mesh.count();
   std::vector<Irradiance> irradiance(mesh.count());
@@ -173,17 +220,22 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
     return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
   }
 
-  const Balance balance = assemble(scene, mesh, options, method, stats);
-  const SolverResult result = run_solver(solver, balance, options.relative_error, options.max_reflections);
+  const Assembly assembly = assemble(scene, mesh, options, method, stats);
+  const Balance& balance = assembly.balance;
+  const auto factors = static_cast<std::size_t>(balance.exchange.nonZeros());
+  stats.links = factors + balance.specular.link.size();
+  stats.memory_bytes = mesh.memory_bytes() + irradiance.size() * sizeof(Irradiance) +
+                       factors * (sizeof(float) + sizeof(int)) +
+                       balance.specular.link.size() * sizeof(SpecularLink);
+  const SolverResult result =
+      solver == Solver::hierarchical
+          ? run_hierarchical(scene, mesh, assembly, options, stats)
+          : run_solver(solver, balance, options.relative_error, options.max_reflections);
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i] = {C3f(balance.direct[i]), C3f(result.irradiance[i])};
-  stats.links = static_cast<std::size_t>(balance.exchange.nonZeros()) + balance.specular.link.size();
   stats.iterations = result.iterations;
   stats.residual = result.error.residual;
   stats.error_bound = result.error.bound;
-  stats.memory_bytes = mesh.memory_bytes() + irradiance.size() * sizeof(Irradiance) +
-                       static_cast<std::size_t>(balance.exchange.nonZeros()) * (sizeof(float) + sizeof(int)) +
-                       balance.specular.link.size() * sizeof(SpecularLink);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
 }
 
