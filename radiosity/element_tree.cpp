@@ -98,10 +98,8 @@ class ElementTree::Builder {
         measure(items_[r], tree_.surface(items_[r]));
       }
     });
-    TreeNode all;
-    all.begin = 0, all.end = static_cast<std::uint32_t>(items_.size());
     tree_.node_.reserve(3 * mesh_.count() / 2 + 32);
-    tree_.node_.push_back(all);
+    tree_.node_.push_back(cluster(0, static_cast<std::uint32_t>(items_.size())));
     tree_.level_ = {0, 1};
     while (tree_.level_.back() > tree_.level_[tree_.level_.size() - 2]) grow_level();
     tree_.level_.pop_back();
@@ -224,6 +222,10 @@ class ElementTree::Builder {
       tree_.node_.push_back(items_[begin]);
       return;
     }
+    tree_.node_.push_back(cluster(begin, end));
+  }
+
+  [[nodiscard]] TreeNode cluster(std::uint32_t begin, std::uint32_t end) const {
     TreeNode node;
     node.begin = begin, node.end = end;
     Box3f box;
@@ -243,7 +245,7 @@ class ElementTree::Builder {
       if (item.whole_area > 0.0)
         node.cone = std::max(node.cone, angle_between(item.axis, node.axis) + item.cone);
     }
-    tree_.node_.push_back(node);
+    return node;
   }
 
   ElementTree& tree_;

@@ -13,6 +13,10 @@ constexpr double iteration_share = 0.1;
 constexpr double smallest_iteration_error = 1e-10;
 // 40 bytes each.
 constexpr std::size_t most_links = std::size_t{1} << 26;
+// Errors of a receiver's links add up in squares if they are independent. They are not quite: gradients of
+// light from neighbouring sources agree in sign, and where no sums of factors are known nothing corrects what
+// is left. Measured, so that the estimate stays above the true error.
+constexpr double agreement_enforced = 2.0, agreement = 4.0;
 
 double worst_channel(const C3d& value) { return std::max({value.x, value.y, value.z}); }
 
@@ -20,7 +24,9 @@ double worst_channel(const C3d& value) { return std::max({value.x, value.y, valu
 class LinkedBalance {
  public:
   LinkedBalance(const ElementTree& tree, const HierarchicalInput& input, std::span<const Link> links)
-      : tree_(tree), input_(input), exchange_(tree, links), specular_factor_(count(), 1.0) {}
+      : tree_(tree), input_(input), exchange_(tree, links), specular_factor_(count(), 1.0) {
+    for (const C3f& rho : input.reflectance) largest_albedo_ = std::max(largest_albedo_, max_component(rho));
+  }
 
   // Enforces what is known of the sums. Returns the largest error that there was, relative to the area.
   double enforce(double tolerance) {
@@ -32,7 +38,7 @@ class LinkedBalance {
         closure_error =
             std::max(closure_error, std::abs(before[i] + (sums.fixed[i] - sums.target[i]) / area(i)));
     if (sums.known) exchange_.scale_to_row_sums(sums.fixed, sums.target, tolerance);
-    if (!(sums.known && sums.closed)) exchange_.cap_row_sums(sums.limit);
+    if (!(sums.known && sums.closed)) cap_sums();
     cap_specular_links();
     find_contraction();
     return closure_error;
@@ -60,6 +66,29 @@ class LinkedBalance {
     C3d sum(0.0);
     for (std::uint32_t i = 0; i < count(); ++i) sum += radiosity[i] * area(i);
     return sum;
+  }
+
+  // The power that limits on sums take away, relative to all of it, of the worst channel; with what it would
+  // have become.
+  [[nodiscard]] double lost_to_limits(std::span<const C3d> radiosity) const {
+    if (input_.sums.known && input_.sums.closed) return 0.0;
+    const std::vector<C3d> with = exchange_.gather(radiosity), without = exchange_.gather(radiosity, false);
+    C3d lost(0.0);
+    for (std::uint32_t i = 0; i < count(); ++i) {
+      C3d irradiance = without[i] - with[i];
+      for (const SpecularLink& link : input_.specular.of(i))
+        irradiance += radiosity[link.element] * C3d(link.weight) * (1.0 - specular_factor_[i]);
+      lost += C3d(input_.reflectance[i]) * irradiance * area(i);
+    }
+    const C3d total = power(radiosity);
+    double worst = 0.0;
+    for (int c = 0; c < 3; ++c)
+      if (lost[c] > 0.0)
+        worst = std::max(worst, lost[c] / total[c] / (1.0 - std::min(0.9999, amplification(c))));
+    return worst;
+  }
+  [[nodiscard]] double amplification(int c) const {
+    return std::min(contraction_.by_power[c], contraction_.by_maximum[c]);
   }
 
   [[nodiscard]] BalanceError error(std::span<const C3d> radiosity, std::span<const C3d> gathered) const {
@@ -91,14 +120,27 @@ class LinkedBalance {
     return exchange_.gather(std::span<const double>(ones));
   }
 
-  // No row's sum, specular links included, above 1.
+  // Where the sums are not known only convergence limits them: while links are coarse, an element may receive
+  // too much where its neighbour receives too little, and cutting off the one but not the other would lose
+  // light. An element's sums may be above 1 as long as its albedo times them stays halfway below 1.
+  [[nodiscard]] double largest_sum(std::uint32_t i) const {
+    const float albedo = max_component(input_.reflectance[i]);
+    return std::clamp(0.5 * (1.0 + largest_albedo_) / std::max(albedo, 0.1f), 1.0, 2.0);
+  }
+  void cap_sums() {
+    std::vector<double> limit = input_.sums.limit;
+    for (std::uint32_t i = 0; i < count(); ++i) limit[i] += (largest_sum(i) - 1.0) * area(i);
+    exchange_.cap_row_sums(limit);
+  }
+
+  // No row's sum, specular links included, above what convergence needs.
   void cap_specular_links() {
     if (input_.specular.first.empty()) return;
     const std::vector<double> row = row_sums();
     for (std::uint32_t i = 0; i < count(); ++i) {
       C3d sum(0.0);
       for (const SpecularLink& link : input_.specular.of(i)) sum += C3d(link.weight);
-      const double room = std::max(0.0, 1.0 - row[i]);
+      const double room = std::max(0.0, largest_sum(i) - row[i]);
       if (worst_channel(sum) > room) specular_factor_[i] = room / worst_channel(sum);
     }
   }
@@ -129,6 +171,7 @@ class LinkedBalance {
   const HierarchicalInput& input_;
   LinkedExchange exchange_;
   std::vector<double> specular_factor_;  // by element
+  float largest_albedo_ = 0.0f;
   Contraction contraction_;
 };
 
@@ -218,7 +261,7 @@ std::vector<NodeLight> light_of_nodes(const ElementTree& tree, std::span<const C
 
 // (R35): what the links are off by, relative to the power of the worst channel.
 double discretisation_error(const ElementTree& tree, std::span<const Link> links,
-                            std::span<const NodeLight> light, const Contraction& q) {
+                            std::span<const NodeLight> light, const Contraction& q, bool enforced) {
   const std::span<const TreeNode> node = tree.nodes();
   std::vector<C3d> variance(node.size(), C3d(0.0));
   C3d of_means(0.0);
@@ -248,7 +291,8 @@ double discretisation_error(const ElementTree& tree, std::span<const Link> links
   double worst = 0.0;
   for (int c = 0; c < 3; ++c) {
     const double largest = std::min(q.by_power[c], q.by_maximum[c]);
-    worst = std::max(worst, local[c] + std::sqrt(of_means[c]) * largest / (1.0 - std::min(largest, 0.9999)));
+    worst = std::max(worst, (enforced ? agreement_enforced : agreement) * local[c] +
+                                std::sqrt(of_means[c]) * largest / (1.0 - std::min(largest, 0.9999)));
   }
   return worst;
 }
@@ -280,7 +324,9 @@ HierarchicalResult solve_hierarchical(const Scene& scene, const ElementMesh& mes
     iterate(balance, input.specular.first.empty(), accuracy, stop.max_iterations, solution);
     power = balance.power(solution.radiosity);
     light = light_of_nodes(tree, solution.radiosity, power);
-    result.discretisation = discretisation_error(tree, links, light, balance.contraction());
+    result.discretisation =
+        discretisation_error(tree, links, light, balance.contraction(), input.sums.known && input.sums.closed) +
+        balance.lost_to_limits(solution.radiosity);
     const bool done =
         result.discretisation <= for_links || links.size() >= most_links || result.rounds >= most_rounds;
     if (done) {

@@ -34,7 +34,7 @@ LinkedExchange::LinkedExchange(const ElementTree& tree, std::span<const Link> li
 }
 
 template <class T>
-std::vector<T> LinkedExchange::gather(std::span<const T> value) const {
+std::vector<T> LinkedExchange::gather(std::span<const T> value, bool scaled) const {
   throw_if_interrupted();
   const std::span<const TreeNode> node = tree_.nodes();
   // Pull: means over the exposed areas, from the leaves up.
@@ -44,7 +44,7 @@ std::vector<T> LinkedExchange::gather(std::span<const T> value) const {
       if (!(node[i].area > 0.0)) continue;
       if (node[i].kind == TreeNode::element) {
         const std::uint32_t e = tree_.element_of(node[i]);
-        mean[i] = value[e] * factor_[e];
+        mean[i] = value[e] * (scaled ? factor_[e] : 1.0);
         continue;
       }
       for (std::uint32_t c = node[i].first_child; c < node[i].first_child + node[i].child_count; ++c)
@@ -65,13 +65,13 @@ std::vector<T> LinkedExchange::gather(std::span<const T> value) const {
   std::vector<T> result(value.size(), T(0.0));
   parallel_for(result.size(), 2048, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e)
-      result[e] = received[tree_.leaf_of(static_cast<std::uint32_t>(e))] * factor_[e];
+      result[e] = received[tree_.leaf_of(static_cast<std::uint32_t>(e))] * (scaled ? factor_[e] : 1.0);
   });
   return result;
 }
 
-template std::vector<double> LinkedExchange::gather(std::span<const double>) const;
-template std::vector<C3d> LinkedExchange::gather(std::span<const C3d>) const;
+template std::vector<double> LinkedExchange::gather(std::span<const double>, bool) const;
+template std::vector<C3d> LinkedExchange::gather(std::span<const C3d>, bool) const;
 
 double LinkedExchange::scale_to_row_sums(std::span<const double> fixed, std::span<const double> target,
                                          double tolerance) {

@@ -15,9 +15,9 @@ class LinkedExchange {
   LinkedExchange(const ElementTree& tree, std::span<const Link> links);
 
   /// (1 / A_i) Sum_j X_ij v_j of all elements: the irradiance from elements of radiosity v. The same on any
-  /// number of threads. T: double or C3d.
+  /// number of threads. T: double or C3d. `scaled`: false leaves the factors d out.
   template <class T>
-  [[nodiscard]] std::vector<T> gather(std::span<const T> value) const;
+  [[nodiscard]] std::vector<T> gather(std::span<const T> value, bool scaled = true) const;
 
   /// As scale_to_row_sums (R14).
   double scale_to_row_sums(std::span<const double> fixed, std::span<const double> target, double tolerance);
