@@ -216,6 +216,17 @@ void iterate(const LinkedBalance& balance, bool symmetric, double accuracy, std:
     ++sweeps;
   }
   result.iterations += sweeps;
+  // The weights may overshoot into the negative where there is next to no light.
+  bool changed = false;
+  for (C3d& radiosity : result.radiosity)
+    for (int c = 0; c < 3; ++c)
+      if (radiosity[c] < 0.0) {
+        radiosity[c] = 0.0;
+        changed = true;
+      }
+  if (!changed) return;
+  result.irradiance = balance.gather(result.radiosity);
+  result.error = balance.error(result.radiosity, result.irradiance);
 }
 
 // (R20) over links.

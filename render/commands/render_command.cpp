@@ -220,7 +220,8 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
   command.add_option("--max-depth", options->max_depth, "Most edges of a path; -1 unlimited, 2 direct light")
       ->check(CLI::Range(-1, 1 << 30));
   command.add_option("--seed", options->seed, "Seed of all random numbers");
-  command.add_option("--solver", options->solver, "Radiosity solver: auto, gauss-seidel, progressive or lu");
+  command.add_option("--solver", options->solver,
+                     "Radiosity solver: auto, gauss-seidel, progressive, lu or hierarchical");
   command.add_option("--form-factors", options->form_factors, "Form factors: auto, exact, point or rays");
   command
       .add_option("--radiosity-error", options->radiosity.relative_error,

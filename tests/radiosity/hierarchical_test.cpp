@@ -233,6 +233,8 @@ TEST(Hierarchical, ApproachesTheExactSolutionWithinItsBound) {
       EXPECT_LE(off, solution.stats().error_bound) << name << " " << error;
       EXPECT_LE(off, before) << name << " " << error;
       EXPECT_GE(solution.stats().links, links);
+      for (const Irradiance& irradiance : solution.irradiances())
+        for (int c = 0; c < 3; ++c) EXPECT_GE(irradiance.indirect[c], 0.0f) << name;
       before = off;
       links = solution.stats().links;
     }
