@@ -14,7 +14,6 @@ namespace twopass {
 namespace {
 
 // Few, because there are many pairs of elements and their errors average out.
-constexpr std::uint32_t visibility_pairs = 4;
 
 struct Entry {
   std::uint32_t column;
@@ -83,7 +82,7 @@ struct Patches {
 
 // X_ij of two elements, or of an element with itself: over all pairs of their patches.
 double visible_exchange(const RayCaster& caster, std::span<const Patch> a, std::span<const Patch> b,
-                        FormFactorMethod method, std::uint32_t key, std::uint64_t& rays) {
+                        FormFactorMethod method, std::uint32_t key, double total_area, std::uint64_t& rays) {
   double sum = 0.0;
   for (std::size_t k = 0; k < a.size(); ++k)
     for (std::size_t l = 0; l < b.size(); ++l) {
@@ -92,7 +91,8 @@ double visible_exchange(const RayCaster& caster, std::span<const Patch> a, std::
       const bool same = &a[k] == &b[l];  // the inside of a sphere sees itself
       const auto pair = static_cast<std::uint32_t>(k * b.size() + l);
       sum += same ? unoccluded
-                  : unoccluded * visible_fraction(caster, a[k], b[l], key + pair, visibility_pairs, rays);
+                  : unoccluded * visible_fraction(caster, a[k], b[l], key + pair,
+                                                  visibility_pairs(unoccluded, total_area), rays);
     }
   return sum;
 }
@@ -110,6 +110,8 @@ ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caste
                     std::to_string(analytic_max_elements) + " whose pairs can all be visited",
                 "use --form-factors rays, or fewer elements (--elements)");
   const Patches all(mesh);
+  double total_area = 0.0;
+  for (const Patch& patch : all.patch) total_area += patch.area;
   std::vector<std::vector<Entry>> upper(n);
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(n, 1, [&](std::size_t begin, std::size_t end) {
@@ -118,7 +120,8 @@ ExchangeMatrix analytic_exchange(const ElementMesh& mesh, const RayCaster& caste
       throw_if_interrupted();
       for (std::uint32_t j = i; j < n; ++j) {
         const std::uint32_t key = hash_words(hash_words(seed, i), j);
-        const double exchange = visible_exchange(caster, all.of(i), all.of(j), method, key, row_rays);
+        const double exchange =
+            visible_exchange(caster, all.of(i), all.of(j), method, key, total_area, row_rays);
         if (exchange > 0.0) upper[i].push_back({j, static_cast<float>(exchange)});
       }
     }

@@ -25,26 +25,32 @@ class Enforcement {
   Enforcement(const RaySurvey& survey, const std::vector<double>& area, FormFactorMethod method)
       : survey_(survey), area_(area), by_rays_(method == FormFactorMethod::rays) {}
 
-  void apply(ExchangeMatrix& exchange, const std::vector<double>& exchange_with_lamps,
-             RadiosityStats& stats) const {
+  // What the sums are, or may be.
+  [[nodiscard]] RowSums sums(const std::vector<double>& exchange_with_lamps) const {
     const std::size_t n = area_.size();
-    std::vector<double> fixed(n, 0.0), target(n, 0.0), limit(n);
-    stats.closed = survey_.is_closed();
+    RowSums sums{false, survey_.is_closed(), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0),
+                 std::vector<double>(n)};
     // Analytic factors are better than the statistics of rays. Their sums are only known where everything that
     // an element sees is an element or a lamp with factors of its own.
     const bool lamps_known = survey_.met_lamp == 0 || !exchange_with_lamps.empty();
-    const bool sums_known = by_rays_ || (survey_.is_closed() && survey_.met_black == 0 && lamps_known);
-    if (!by_rays_ && sums_known && !exchange_with_lamps.empty()) fixed = exchange_with_lamps;
+    sums.known = by_rays_ || (survey_.is_closed() && survey_.met_black == 0 && lamps_known);
+    if (!by_rays_ && sums.known && !exchange_with_lamps.empty()) sums.fixed = exchange_with_lamps;
     for (std::uint32_t i = 0; i < n; ++i) {
-      target[i] = area_[i] * (by_rays_ ? share_on_elements(i) : 1.0);
-      limit[i] = area_[i] * (1.0 - static_cast<double>(survey_.shares[i].on_specular));
+      sums.target[i] = area_[i] * (by_rays_ ? share_on_elements(i) : 1.0);
+      sums.limit[i] = area_[i] * (1.0 - static_cast<double>(survey_.shares[i].on_specular));
     }
-    if (stats.closed && sums_known) stats.closure_error = closure_error(exchange, fixed, target);
+    return sums;
+  }
+
+  void apply(ExchangeMatrix& exchange, const RowSums& sums, RadiosityStats& stats) const {
+    stats.closed = sums.closed;
+    if (sums.closed && sums.known) stats.closure_error = closure_error(exchange, sums.fixed, sums.target);
     double left = infinity_f;
-    if (sums_known) left = scale_to_row_sums(exchange, fixed, target, area_, stats.closed ? 1e-7 : 1e-3);
+    if (sums.known)
+      left = scale_to_row_sums(exchange, sums.fixed, sums.target, area_, sums.closed ? 1e-7 : 1e-3);
     // A closed scene's sums are as good as rounding allows: capping would only take from them. Where scaling
     // did not get that far, nothing else keeps them below one.
-    if (!(stats.closed && left < 1e-4)) cap_row_sums(exchange, limit);
+    if (!(sums.closed && left < 1e-4)) cap_row_sums(exchange, sums.limit);
   }
 
  private:
@@ -134,7 +140,8 @@ Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityO
   balance.exchange = exchange_by(method, scene, mesh, survey, options, stats.rays);
   DirectIrradiance direct =
       direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed, stats.rays);
-  Enforcement(survey, balance.area, method).apply(balance.exchange, direct.exchange_with_lamps, stats);
+  const Enforcement enforcement(survey, balance.area, method);
+  enforcement.apply(balance.exchange, enforcement.sums(direct.exchange_with_lamps), stats);
 
   balance.direct = std::move(direct.irradiance);
   add_sky_and_caustics(balance.direct, scene, mesh, survey, options.seed, stats.rays);
@@ -143,25 +150,26 @@ Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityO
   return balance;
 }
 
-FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options, Keep keep,
-                            RadiosityStats& stats) {
+FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                            FormFactorMethod method, Keep keep, RadiosityStats& stats) {
   // The survey only says what is buried and open, unless it stands for the light of the sky or of mirrors.
-  const bool has_sky = !is_black(scene.sky());
-  const std::uint32_t rays = rays_of_a_million(mesh.count(), has_sky || keep == Keep::links ? 64 : 16, 1024);
+  const bool is_light = !is_black(scene.sky()) || keep == Keep::links;
+  std::uint32_t rays = rays_of_a_million(mesh.count(), is_light ? 64 : 16, 1024);
+  if (keep == Keep::links && options.rays_per_element) rays = options.rays_per_element;
   RaySurvey survey = survey_with_rays(scene, mesh, rays, options.seed, keep);
   stats.rays += survey.rays;
   stats.closed = survey.is_closed();
   mesh.expose(survey.exposed);
+  DirectIrradiance direct =
+      direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed, stats.rays);
   FirstLight light;
-  light.sees_only_elements = survey.sees_only_elements();
-  DirectIrradiance direct = direct_irradiance(scene, mesh, FormFactorMethod::rays, light.sees_only_elements,
-                                              options.seed, stats.rays);
-  add_sky_and_caustics(direct.irradiance, scene, mesh, survey, options.seed, stats.rays);
-  light.direct.assign(direct.irradiance.begin(), direct.irradiance.end());
-  if (keep == Keep::links) {
-    light.shares = std::move(survey.shares);
-    light.specular = std::move(survey.specular);
-  }
+  light.direct = std::move(direct.irradiance);
+  add_sky_and_caustics(light.direct, scene, mesh, survey, options.seed, stats.rays);
+  if (keep == Keep::totals) return light;
+  std::vector<double> area;
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) area.push_back(mesh.area(i));
+  light.sums = Enforcement(survey, area, method).sums(direct.exchange_with_lamps);
+  light.specular = std::move(survey.specular);
   return light;
 }
 

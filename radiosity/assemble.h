@@ -3,6 +3,7 @@
 
 #include "radiosity/balance.h"
 #include "radiosity/elements.h"
+#include "radiosity/enforce.h"
 #include "radiosity/options.h"
 #include "radiosity/ray_survey.h"
 
@@ -18,14 +19,14 @@ Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityO
 
 /// What solvers start from that find form factors by themselves.
 struct FirstLight {
-  std::vector<C3f> direct;                ///< irradiance by element, W/m2: emitters, sky, caustics
-  std::vector<RaySurvey::Shares> shares;  ///< only with Keep::links
-  SpecularLinks specular;                 ///< only with Keep::links
-  bool sees_only_elements = false;        ///< every row of form factors adds up to one
+  std::vector<C3d> direct;  ///< irradiance by element, W/m2: emitters, sky, caustics
+  SpecularLinks specular;   ///< only with Keep::links
+  RowSums sums;             ///< only with Keep::links
 };
 
-/// The same without form factors. Memory: at most 64 bytes an element with Keep::totals, half of it on return.
-FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options, Keep keep,
-                            RadiosityStats& stats);
+/// The same without form factors, at most 64 bytes an element with Keep::totals, for which `method` has to be
+/// `rays`.
+FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                            FormFactorMethod method, Keep keep, RadiosityStats& stats);
 
 }  // namespace twopass

@@ -34,12 +34,18 @@ enum class Solver {
   progressive,   ///< shoots: relaxes columns in the order of unshot power
   cg,            ///< conjugate gradients on the symmetric form
   lu,            ///< Gaussian elimination: exact, for at most `lu_max_elements`
+  hierarchical,  ///< links between groups of elements instead of a matrix; finds its own form factors
   stochastic,    ///< shoots power along random rays; no form factors, memory grows with the elements only
 };
 
 inline constexpr Named<Solver> solver_names[] = {
-    {"auto", Solver::automatic},          {"jacobi", Solver::jacobi}, {"gauss-seidel", Solver::gauss_seidel},
-    {"progressive", Solver::progressive}, {"cg", Solver::cg},         {"lu", Solver::lu},
+    {"auto", Solver::automatic},
+    {"jacobi", Solver::jacobi},
+    {"gauss-seidel", Solver::gauss_seidel},
+    {"progressive", Solver::progressive},
+    {"cg", Solver::cg},
+    {"lu", Solver::lu},
+    {"hierarchical", Solver::hierarchical},
     {"stochastic", Solver::stochastic},
 };
 
@@ -78,15 +84,18 @@ struct RadiosityOptions {
 struct RadiosityStats {
   std::string solver, form_factors;  ///< names of what was used
   std::size_t elements = 0;
-  std::size_t links = 0;  ///< non-zero form factors, those through specular surfaces included
-  /// Sweeps over all elements (jacobi, gauss-seidel, stochastic), products (cg), shots (progressive), 1 (lu).
+  /// Non-zero form factors, or links of groups (hierarchical), those through specular surfaces included.
+  std::size_t links = 0;
+  /// Sweeps over all elements (jacobi, gauss-seidel, stochastic) or links (hierarchical), products (cg), shots
+  /// (progressive), 1 (lu).
   std::size_t iterations = 0;
   std::uint64_t rays = 0;  ///< all rays cast, shadow rays included
   /// Sum of area x |residual| over sum of area x radiosity, of the worst channel.
   double residual = 0.0;
   /// Guaranteed upper bound of the sum of area x |error| over the sum of area x radiosity, of the worst
   /// channel: the error of having stopped early, not that of the elements' size or of the form factors. For
-  /// `stochastic` the expected noise is added, which takes the guarantee away.
+  /// `stochastic` the expected noise is added, for `hierarchical` an estimate of what links between groups add:
+  /// both are not guaranteed.
   double error_bound = 0.0;
   /// Largest |sum of an element's form factors - 1| before enforcement; 0 where the scene is not closed.
   double closure_error = 0.0;

@@ -1,5 +1,6 @@
 #include "radiosity/adaptive.h"
 #include "radiosity/assemble.h"
+#include "radiosity/hierarchical.h"
 #include "radiosity/solution.h"
 #include "radiosity/solvers.h"
 #include "radiosity/stochastic.h"
@@ -41,8 +42,9 @@ std::size_t default_elements_rays(const Scene& scene) {
   return std::clamp(sides / 8, least_elements_rays, most_elements_rays);
 }
 
-void refuse_form_factors_with(const char* solver, FormFactorMethod method) {
-  if (method == FormFactorMethod::automatic || method == FormFactorMethod::rays) return;
+// `own`: what the solver's rays or links amount to.
+void refuse_form_factors(const char* solver, FormFactorMethod method, FormFactorMethod own) {
+  if (method == FormFactorMethod::automatic || method == own) return;
   std::string what("finds its own form factors and uses no ");
   what += name_of_value<FormFactorMethod>(form_factor_method_names, method);
   throw Error(solver, what, "leave --form-factors out");
@@ -50,12 +52,15 @@ void refuse_form_factors_with(const char* solver, FormFactorMethod method) {
 
 Choice choose(const Scene& scene, const RadiosityOptions& options) {
   Choice choice;
-  const bool by_rays =
-      options.form_factors == FormFactorMethod::automatic || options.form_factors == FormFactorMethod::rays;
+  const bool by_rays = options.solver == Solver::hierarchical ||
+                       options.form_factors == FormFactorMethod::automatic ||
+                       options.form_factors == FormFactorMethod::rays;
   choice.method = by_rays ? FormFactorMethod::rays : options.form_factors;
   choice.solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
   if (choice.solver == Solver::stochastic)
-    refuse_form_factors_with("--solver stochastic", options.form_factors);
+    refuse_form_factors("--solver stochastic", options.form_factors, FormFactorMethod::rays);
+  if (choice.solver == Solver::hierarchical)
+    refuse_form_factors("--solver hierarchical", options.form_factors, FormFactorMethod::exact);
   if (options.overshoot && choice.solver != Solver::progressive)
     throw Error("--overshoot", "only the solver progressive shoots", "use --solver progressive with it");
   choice.max_elements = by_rays ? default_elements_rays(scene) : default_elements_analytic;
@@ -79,7 +84,8 @@ SolverResult run_solver(Solver solver, const Balance& balance, const RadiosityOp
       return solve_cg(balance, stop);
     case Solver::automatic:
     case Solver::gauss_seidel:
-    case Solver::stochastic:  // has no balance to solve
+    case Solver::hierarchical:  // these have no such balance
+    case Solver::stochastic:
       break;
   }
   return solve_gauss_seidel(balance, stop);
@@ -108,7 +114,12 @@ std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh&
 std::vector<Irradiance> solve_stochastically(const Scene& scene, ElementMesh& mesh,
                                              const RadiosityOptions& options, RadiosityStats& stats) {
   clamped_reflectances(mesh, stats);  // says so
-  const std::vector<C3f> direct = find_first_light(scene, mesh, options, Keep::totals, stats).direct;
+  std::vector<C3f> direct;
+  {
+    const FirstLight light =
+        find_first_light(scene, mesh, options, FormFactorMethod::rays, Keep::totals, stats);
+    direct.assign(light.direct.begin(), light.direct.end());
+  }
   StochasticOptions stochastic;
   stochastic.relative_error = std::max(options.relative_error, smallest_relative_error);
   stochastic.until_relative_error = options.rays_per_element == 0;
@@ -129,11 +140,34 @@ std::vector<Irradiance> solve_stochastically(const Scene& scene, ElementMesh& me
   return irradiance;
 }
 
+std::vector<Irradiance> solve_with_links(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
+                                         RadiosityStats& stats) {
+  const std::vector<C3f> reflectance = clamped_reflectances(mesh, stats);
+  const FirstLight light = find_first_light(scene, mesh, options, FormFactorMethod::exact, Keep::links, stats);
+  const HierarchicalResult result = solve_hierarchical(
+      scene, mesh, {reflectance, light.direct, light.specular, light.sums, options.max_reflections},
+      StopRule{std::max(options.relative_error, smallest_relative_error)}, options.seed);
+  stats.solver = name_of_value<Solver>(solver_names, Solver::hierarchical);
+  stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, FormFactorMethod::exact);
+  stats.closure_error = result.closure_error;
+  stats.links = result.links + result.specular_links;
+  stats.iterations = result.solution.iterations;
+  stats.rays += result.rays;
+  stats.residual = result.solution.error.residual;
+  stats.error_bound = result.solution.error.bound;
+  stats.memory_bytes = mesh.memory_bytes() + mesh.count() * sizeof(Irradiance) + result.memory_bytes;
+  std::vector<Irradiance> irradiance(mesh.count());
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    irradiance[i] = {C3f(light.direct[i]), C3f(result.solution.irradiance[i])};
+  return irradiance;
+}
+
 // Solves on the given elements, exposes them, and fills in the statistics, adding up rays.
 std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
                                  const Choice& choice, RadiosityStats& stats) {
   stats.elements = mesh.count();
   if (choice.solver == Solver::stochastic) return solve_stochastically(scene, mesh, options, stats);
+  if (choice.solver == Solver::hierarchical) return solve_with_links(scene, mesh, options, stats);
   return solve_with_form_factors(scene, mesh, options, choice, stats);
 }
 
@@ -142,9 +176,10 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
                               const Choice& choice, RadiosityStats& stats) {
   RadiosityOptions pilot = options;
   if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
+  const Choice pilot_choice{choice.method, Solver::gauss_seidel, choice.max_elements};
   while (mesh.count() + 3 <= choice.max_elements) {
     RadiosityStats pilot_stats;
-    const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, choice, pilot_stats);
+    const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, pilot_choice, pilot_stats);
     stats.rays += pilot_stats.rays;
     // A round at most doubles the number, so that the next one is better informed.
     const std::size_t room = std::min(choice.max_elements - mesh.count(), mesh.count()) / 3;

@@ -50,6 +50,8 @@ Roots find_roots(const Scene& scene) {
 struct Grid {
   double target_area;
   int base;  // odd: others are powers of two times one of these
+  double
+      largest_cluster;  // edge of the cubes, whatever the budget: beyond this they are too crude for anything
 
   // The least divisions with elements of at most the target area.
   [[nodiscard]] int divisions(double area) const {
@@ -58,17 +60,19 @@ struct Grid {
     while (n < wanted && 2 * n <= max_divisions) n = n == 1 ? std::max(2, base) : 2 * n;
     return n;
   }
-  [[nodiscard]] float size() const { return static_cast<float>(std::sqrt(target_area)); }
+  [[nodiscard]] float cluster_size() const {
+    return static_cast<float>(std::min(std::sqrt(target_area), largest_cluster));
+  }
   [[nodiscard]] double elements(const Roots& roots) const {
     double sum = 0.0;
     std::size_t small = 0;
     for (std::size_t r = 0; r < roots.root.size(); ++r) {
-      if (roots.candidate[r].extent <= size())
+      if (roots.candidate[r].extent <= cluster_size())
         ++small;
       else
         sum += std::pow(divisions(roots.area[r]), 2);
     }
-    return small == 0 ? sum : sum + count_clusters(roots.candidate, size());
+    return small == 0 ? sum : sum + count_clusters(roots.candidate, cluster_size());
   }
 };
 
@@ -79,9 +83,9 @@ Grid finest_grid(const Roots& roots, int base, double total_area, double extent,
   // The logarithm of the interval is halved, down to about half a percent of the area.
   while (high / low > 1.005) {
     const double middle = std::sqrt(low * high);
-    (Grid{middle, base}.elements(roots) <= max_elements ? high : low) = middle;
+    (Grid{middle, base, extent / 8.0}.elements(roots) <= max_elements ? high : low) = middle;
   }
-  return {high, base};
+  return {high, base, extent / 8.0};
 }
 
 }  // namespace
@@ -98,13 +102,13 @@ ElementMesh divide_surfaces(const Scene& scene, std::size_t max_elements) {
   std::vector<std::uint32_t> cluster;
   if (total_area > 0.0 && max_elements > 0) {
     const double extent = static_cast<double>((scene.bounds().max - scene.bounds().min).length());
-    Grid best{0.0, 1};
+    Grid best{0.0, 1, 0.0};
     for (const int base : {1, 3, 5, 7}) {
       const Grid grid = finest_grid(roots, base, total_area, extent, static_cast<double>(max_elements));
       if (base == 1 || grid.target_area < best.target_area) best = grid;
       if (roots.root.size() > max_elements) break;  // all but clusters: the base hardly matters
     }
-    cluster = form_clusters(roots.candidate, best.size());
+    cluster = form_clusters(roots.candidate, best.cluster_size());
     for (std::size_t r = 0; r < roots.root.size(); ++r)
       roots.root[r].divisions =
           cluster[r] != no_index ? 0 : static_cast<std::uint16_t>(best.divisions(roots.area[r]));

@@ -221,7 +221,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
       ->check(CLI::Range(-1, 1 << 30));
   command.add_option("--seed", options->seed, "Seed of all random numbers");
   command.add_option("--solver", options->solver,
-                     "Radiosity solver: auto, gauss-seidel, progressive, lu or stochastic");
+                     "Radiosity solver: auto, lu, jacobi, gauss-seidel, progressive, cg, hierarchical or stochastic");
   command.add_option("--form-factors", options->form_factors, "Form factors: auto, exact, point or rays");
   command
       .add_option("--radiosity-error", options->radiosity.relative_error,

@@ -167,7 +167,7 @@ TEST(Hemicube, CoveredCentroidsSeeNothing) {
   const V3f third(0.6667f, 0.3333f, 0.001f), x(0.02f, 0, 0), y(0, 0.02f, 0);
   test::add_diffuse(description, "carpet", test::quad(third - (x + y) * 0.5f, x, y), C3f(0.0f));
   const Scene scene(std::move(description)), bare(test::plates(1.0f, 0.5f));
-  const ElementMesh mesh = divide_surfaces(scene, 0), bare_mesh = divide_surfaces(bare, 1);
+  const ElementMesh mesh = divide_surfaces(scene, 0), bare_mesh = divide_surfaces(bare, 0);
   ASSERT_EQ(mesh.count(), 4u);
   const ExchangeMatrix covered = exchange_of(scene, mesh, 64), open = exchange_of(bare, bare_mesh, 64);
   for (std::uint32_t i = 0; i < 2; ++i)

@@ -26,7 +26,8 @@ inline Mesh tessellated_sphere(const V3f& center, float radius, int rings) {
   return mesh;
 }
 
-/// A unit room with a lamp below the ceiling and 100 balls in it, of about `triangles` triangles together.
+/// A unit room with a lamp below the ceiling and 100 balls of four colours in it, of about `triangles`
+/// triangles together.
 inline SceneDescription crowded_room(std::size_t triangles) {
   constexpr int balls = 100;
   SceneDescription scene = unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.8f));
@@ -39,7 +40,11 @@ inline SceneDescription crowded_room(std::size_t triangles) {
     const V2f xy = sampler.next_2d(), zr = sampler.next_2d();
     const float radius = 0.02f + 0.05f * zr.y;
     const V3f center(0.1f + 0.8f * xy.x, 0.1f + 0.8f * xy.y, 0.1f + 0.7f * zr.x);
-    add_diffuse(scene, "ball", tessellated_sphere(center, radius, rings), C3f(0.6f, 0.3f + 0.5f * xy.x, 0.4f));
+    const auto shade = static_cast<float>(k % 4);
+    add_diffuse(scene, "ball", tessellated_sphere(center, radius, rings), C3f(0.6f, 0.2f + 0.2f * shade, 0.4f));
+    if (k < 4) continue;
+    scene.materials.pop_back();
+    scene.shapes.back().material = scene.shapes[scene.shapes.size() - 5].material;
   }
   return scene;
 }
