@@ -41,6 +41,17 @@ inline constexpr Named<Solver> solver_names[] = {
     {"lu", Solver::lu},
 };
 
+/// How element sizes are chosen.
+enum class Subdivision {
+  uniform,   ///< one size everywhere
+  adaptive,  ///< small where the irradiance changes quickly
+};
+
+inline constexpr Named<Subdivision> subdivision_names[] = {
+    {"uniform", Subdivision::uniform},
+    {"adaptive", Subdivision::adaptive},
+};
+
 struct RadiosityOptions {
   Solver solver = Solver::automatic;
   FormFactorMethod form_factors = FormFactorMethod::automatic;
@@ -51,6 +62,11 @@ struct RadiosityOptions {
   std::size_t max_elements = 0;
   /// Rays an element, for the method `rays` and for what is seen through specular surfaces; 0: chosen.
   std::uint32_t rays_per_element = 0;
+  Subdivision subdivision = Subdivision::uniform;
+  /// Shoots more than the unshot light, to arrive sooner; for the solver `progressive`.
+  bool overshoot = false;
+  /// Pixels along an edge of the top face of a hemicube, for the method `hemicube`.
+  int hemicube_resolution = 64;
   std::uint32_t seed = 0;
   /// Most diffuse reflections of the indirect light, for pictures of limited depth; -1: all of them.
   int max_reflections = -1;
@@ -70,6 +86,7 @@ struct RadiosityStats {
   /// Largest |sum of an element's form factors - 1| before enforcement; 0 where the scene is not closed.
   double closure_error = 0.0;
   bool closed = false;  ///< no ray escaped or met a specular surface: the factors of an element add up to one
+  int max_reflections = -1;  ///< as in RadiosityOptions
   std::size_t memory_bytes = 0;
   std::vector<std::string> notes;  ///< what the user should know, such as reflectances that had to be clamped
 };

@@ -165,6 +165,7 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
   RadiosityStats stats;
   stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, solver);
   stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, method);
+  stats.max_reflections = options.max_reflections;
   stats.elements = mesh.count();
   std::vector<Irradiance> irradiance(mesh.count());
   const bool is_dark = scene.lights().empty() && is_black(scene.sky());
