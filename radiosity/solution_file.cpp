@@ -212,7 +212,7 @@ bool all_finite(const std::vector<float>& numbers) {
 
 }  // namespace
 
-void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution) {
+std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution) {
   Writer write;
   Header header{};
   std::memcpy(header.magic, magic, sizeof magic);
@@ -229,12 +229,12 @@ void save_solution(const std::filesystem::path& path, const Scene& scene, const 
   header.size = bytes.size() + checksum_size;
   std::memcpy(bytes.data(), &header, sizeof header);
   write(crc_of(bytes));
-  write_atomically(path, bytes);
+  return std::move(bytes);
 }
 
-Solution load_solution(const std::filesystem::path& path, const Scene& scene) {
-  const std::vector<std::byte> bytes = read_file(path);
-  Reader read(checked_content(path, bytes, scene));
+Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scene,
+                             const std::filesystem::path& where) {
+  Reader read(checked_content(where, bytes, scene));
   ElementMesh::Saved saved;
   std::vector<float> irradiance;
   RadiosityStats stats;
@@ -242,11 +242,19 @@ Solution load_solution(const std::filesystem::path& path, const Scene& scene) {
   read(irradiance);
   visit_stats(stats, read);
   // A file with the right checksum that nobody but a forger can have written: still no reason to crash.
-  if (!read.complete()) refuse(path, "the file is damaged");
+  if (!read.complete()) refuse(where, "the file is damaged");
   std::optional<ElementMesh> mesh = ElementMesh::restore(scene.shapes(), scene.description().materials, saved);
   if (!mesh || 6 * mesh->count() != irradiance.size() || !all_finite(irradiance))
-    refuse(path, "the file is damaged");
+    refuse(where, "the file is damaged");
   return Solution(std::move(*mesh), from_numbers(irradiance), std::move(stats));
+}
+
+void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution) {
+  write_atomically(path, solution_to_bytes(scene, solution));
+}
+
+Solution load_solution(const std::filesystem::path& path, const Scene& scene) {
+  return solution_from_bytes(read_file(path), scene, path);
 }
 
 }  // namespace twopass

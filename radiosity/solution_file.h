@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <vector>
 
 #include "radiosity/solution.h"
 
@@ -15,5 +17,10 @@ void save_solution(const std::filesystem::path& path, const Scene& scene, const 
 /// damaged (any single byte, any missing end), was written by a newer version of the program, or belongs to
 /// another scene. REQUIRES: the scene outlives the solution.
 Solution load_solution(const std::filesystem::path& path, const Scene& scene);
+
+/// The same to and from the bytes of a file; `where` stands for it in errors.
+std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution);
+Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scene,
+                             const std::filesystem::path& where);
 
 }  // namespace twopass
