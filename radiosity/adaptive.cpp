@@ -19,7 +19,7 @@ double misplaced_in(const ElementMesh& mesh, const SmoothIrradiance& smooth, std
                                           {element, mesh.root_index(element), 0.0f, 1.0f}};
   C3f low(infinity_f), high(0.0f);
   for (const ElementMesh::Location& location : corner) {
-    const C3f value = smooth.at(mesh, location).total();
+    const C3f value = smooth.at(location).total();
     for (int c = 0; c < 3; ++c) {
       low[c] = std::min(low[c], value[c]);
       high[c] = std::max(high[c], value[c]);

@@ -1,5 +1,6 @@
 #include "radiosity/elements.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "render/scene/geometry.h"
@@ -188,6 +189,99 @@ ElementMesh ElementMesh::split(const std::vector<bool>& chosen) const {
   result.index_cells();
   result.measure();
   return result;
+}
+
+ElementMesh::Saved ElementMesh::save() const {
+  Saved saved;
+  saved.area = area_;
+  for (const ElementRoot& root : roots_) {
+    const std::uint32_t surface = root.shape << 1 | root.side;
+    if (saved.surface.empty() || saved.surface.back() != surface) saved.surface.push_back(surface);
+    saved.divisions.push_back(root.divisions);
+    if (root.divisions == 0) saved.cluster.push_back(place_[root.first_element].cell);
+  }
+  if (cells_.empty()) return saved;  // refined roots only
+  for (std::size_t element = 0; element + cluster_count() < count(); ++element)
+    saved.level.push_back(static_cast<std::uint8_t>(level_of(place_[element].cell)));
+  return saved;
+}
+
+std::optional<ElementMesh> ElementMesh::restore(std::span<const Shape> shapes,
+                                                std::span<const Material> materials, const Saved& saved) {
+  std::vector<ElementRoot> roots;
+  for (std::size_t k = 0; k < saved.surface.size(); ++k) {
+    const std::uint32_t shape = saved.surface[k] >> 1;
+    if (shape >= shapes.size() || (k > 0 && saved.surface[k] <= saved.surface[k - 1])) return std::nullopt;
+    const auto* mesh = std::get_if<Mesh>(&shapes[shape].geometry);
+    const std::size_t primitives = mesh ? mesh->triangles.size() : 8;
+    if (primitives > saved.divisions.size() - roots.size()) return std::nullopt;
+    for (std::uint32_t primitive = 0; primitive < primitives; ++primitive)
+      roots.push_back(
+          {shape, primitive, 0, no_index, saved.divisions[roots.size()], saved.surface[k] & 1u ? back : front});
+  }
+  if (roots.size() != saved.divisions.size()) return std::nullopt;
+
+  std::vector<std::uint32_t> cluster_of_root(saved.cluster.empty() ? 0 : roots.size(), no_index);
+  std::vector<bool> is_known(saved.cluster.size(), false);
+  std::size_t members = 0, cells = 0;
+  for (std::size_t r = 0; r < roots.size(); ++r) {
+    if (roots[r].divisions > most_divisions) return std::nullopt;
+    cells += cell_count(roots[r]);
+    if (roots[r].divisions > 0) continue;
+    if (members == saved.cluster.size() || saved.cluster[members] >= is_known.size()) return std::nullopt;
+    cluster_of_root[r] = saved.cluster[members];
+    is_known[saved.cluster[members++]] = true;
+  }
+  const auto clusters = static_cast<std::size_t>(std::count(is_known.begin(), is_known.end(), true));
+  // Numbered without gaps: the first so many are the known ones.
+  if (members != saved.cluster.size() ||
+      std::find(is_known.begin(), is_known.end(), false) - is_known.begin() !=
+          static_cast<std::ptrdiff_t>(clusters))
+    return std::nullopt;
+  const std::size_t elements = (saved.level.empty() ? cells : saved.level.size()) + clusters;
+  if (elements != saved.area.size() || (!saved.level.empty() && cells > saved.level.size()))
+    return std::nullopt;
+  for (const float area : saved.area)
+    if (!(area >= 0.0f && std::isfinite(area))) return std::nullopt;
+
+  std::optional<ElementMesh> mesh(std::in_place, shapes, materials, std::move(roots), cluster_of_root);
+  if (!saved.level.empty() && !mesh->refine(saved.level)) return std::nullopt;
+  mesh->area_ = saved.area;
+  return mesh;
+}
+
+// Splits a mesh of grids so that its elements have these levels: in the order of elements, which is depth
+// first, they say all. False: they are no such order.
+bool ElementMesh::refine(const std::vector<std::uint8_t>& level) {
+  std::vector<Place> grid;
+  std::swap(grid, place_);
+  std::size_t next = 0;
+  const auto descend = [&](const auto& self, std::uint32_t root, const ElementCell& whole,
+                           std::uint32_t depth) -> bool {
+    if (next == level.size() || level[next] < depth) return false;
+    if (level[next] == depth) {
+      place_.push_back({root, pack(whole, depth)});
+      ++next;
+      return true;
+    }
+    if (2 * whole.divisions > most_divisions) return false;
+    for (int child = 0; child < 4; ++child)
+      if (!self(self, root, child_cell(whole, child), depth + 1)) return false;
+    return true;
+  };
+  const std::size_t clusters = cluster_count();
+  for (std::size_t k = 0; k + clusters < grid.size(); ++k) {
+    const std::uint32_t r = grid[k].root;
+    if (k == 0 || grid[k - 1].root != r) roots_[r].first_element = static_cast<std::uint32_t>(place_.size());
+    if (!descend(descend, r, unpack(grid[k].cell, roots_[r].divisions), 0)) return false;
+  }
+  if (next != level.size()) return false;
+  for (const std::uint32_t r : member_)
+    roots_[r].first_element += static_cast<std::uint32_t>(next + clusters - grid.size());
+  place_.insert(place_.end(), grid.end() - static_cast<std::ptrdiff_t>(clusters), grid.end());
+  index_cells();
+  measure();
+  return true;
 }
 
 // Builds the quad-trees of the roots whose elements are not just the cells of its grid.

@@ -2,6 +2,7 @@
 // the ray caster never sees them, so they cost no geometry and cannot crack.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,20 @@ class ElementMesh {
   ElementMesh(std::span<const Shape> shapes, std::span<const Material> materials,
               std::vector<ElementRoot> roots, std::span<const std::uint32_t> cluster_of_root = {});
 
+  /// What the mesh is beyond its scene, as plain data to be stored.
+  struct Saved {
+    std::vector<std::uint32_t> surface;    ///< shape x 2 + side, ascending: those whose primitives are roots
+    std::vector<std::uint16_t> divisions;  ///< by root
+    std::vector<std::uint32_t> cluster;    ///< by root of no divisions
+    std::vector<std::uint8_t> level;       ///< by element but clusters: how often split; empty: none is
+    std::vector<float> area;               ///< by element: exposed
+  };
+  [[nodiscard]] Saved save() const;
+  /// The same mesh again, bit for bit; none if what was saved cannot be a mesh of these shapes, whatever it is.
+  [[nodiscard]] static std::optional<ElementMesh> restore(std::span<const Shape> shapes,
+                                                          std::span<const Material> materials,
+                                                          const Saved& saved);
+
   /// The same with the chosen elements cut into four, or as far as that is possible: cells of the finest grid
   /// and clusters stay as they are. REQUIRES: one flag an element. The new elements are wholly exposed.
   [[nodiscard]] ElementMesh split(const std::vector<bool>& chosen) const;
@@ -96,6 +111,10 @@ class ElementMesh {
     return reflectance_[r.shape][r.side];
   }
 
+  /// How many elements are clusters: the last ones.
+  [[nodiscard]] std::size_t cluster_count() const {
+    return first_member_.empty() ? 0 : first_member_.size() - 1;
+  }
   /// Whether the element is a set of small triangles rather than one piece.
   [[nodiscard]] bool is_cluster(std::uint32_t element) const { return root(element).divisions == 0; }
   /// How many patches the element has; 1 unless it is a cluster.
@@ -138,6 +157,7 @@ class ElementMesh {
   };
   void number_elements(std::span<const std::uint32_t> cluster_of_root);
   void add_clusters(std::span<const std::uint32_t> cluster_of_root);
+  [[nodiscard]] bool refine(const std::vector<std::uint8_t>& level);
   void index_cells();
   void measure();
   [[nodiscard]] Location find_in_root(std::uint32_t root_index, float u, float v) const;

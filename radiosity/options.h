@@ -100,6 +100,7 @@ struct RadiosityStats {
   /// Largest |sum of an element's form factors - 1| before enforcement; 0 where the scene is not closed.
   double closure_error = 0.0;
   bool closed = false;  ///< no ray escaped or met a specular surface: the factors of an element add up to one
+  int max_reflections = -1;  ///< as in RadiosityOptions
   std::size_t memory_bytes = 0;
   std::vector<std::string> notes;  ///< what the user should know, such as reflectances that had to be clamped
 };

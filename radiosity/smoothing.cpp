@@ -1,211 +1,202 @@
 #include "radiosity/smoothing.h"
 
-#include <tuple>
+#include "render/core/interrupt.h"
 
 namespace twopass {
 
 namespace {
 
-constexpr double smallest_cosine = 0.86602540378443865;  // of 30 degrees
-// A vertex where more triangles meet than this is the tip of a fan; comparing all pairs there would take for
-// ever.
-constexpr std::size_t most_at_vertex = 256;
+// At a vertex with more elements than this, the tip of a fan, they are not all made neighbours of each other:
+// pairs would take for ever.
+constexpr std::size_t most_neighbours_at_vertex = 32;
 
-std::tuple<double, double, double> key(const V3d& p) { return {p.x, p.y, p.z}; }
-
-// Vertex k of edge `edge` (from corner `edge` to the next) of a grid.
-V2i edge_vertex(int edge, int k, int divisions) {
-  if (edge == 0) return {k, 0};
-  if (edge == 1) return {divisions - k, k};
-  return {0, divisions - k};
+Irradiance blend(const Irradiance& a, const Irradiance& b, double t) {
+  const auto mix = [&](const C3f& x, const C3f& y) { return C3f(C3d(x) + (C3d(y) - C3d(x)) * t); };
+  return {mix(a.direct, b.direct), mix(a.indirect, b.indirect)};
 }
 
-int divisions_of(const ElementRoot& root) { return std::max<int>(1, root.divisions); }
+// Sums of weight x irradiance. In double, the mean of equal floats is that float.
+struct Weighted {
+  C3d direct{0.0}, indirect{0.0};
+  double weight = 0.0;
 
-ElementCell cell_of(const ElementMesh& mesh, const ElementRoot& root, std::uint32_t element) {
-  return root.divisions == 0 ? ElementCell{0, 0, false, 1} : mesh.cell(element);
+  void add(const Irradiance& irradiance, double w) {
+    direct += C3d(irradiance.direct) * w;
+    indirect += C3d(irradiance.indirect) * w;
+    weight += w;
+  }
+  [[nodiscard]] Irradiance mean() const {
+    if (!(weight > 0.0)) return {};
+    return {C3f(direct / weight), C3f(indirect / weight)};
+  }
+};
+
+// Calls visit(face, element) for all faces.
+template <class Visit>
+void for_each_face(const VertexMesh& vertices, const ElementMesh& mesh, Visit visit) {
+  auto face = static_cast<std::uint32_t>(vertices.faces().cells);
+  for (std::uint32_t element = 0; element < face; ++element) visit(element, element);
+  for (std::uint32_t element = face; element < mesh.count(); ++element)
+    for (std::size_t k = 0; k < mesh.patch_count(element); ++k) visit(face++, element);
 }
 
-V3d root_normal(const ElementMesh& mesh, const ElementRoot& root) {
-  if (mesh.is_sphere(root.shape)) return V3d(0.0);
-  return triangle_patch(std::get<Mesh>(mesh.shapes()[root.shape].geometry), root.primitive, root.side).normal;
-}
+// Lists of numbers by index, from pairs.
+class Lists {
+ public:
+  // Sorts the pairs and drops repetitions.
+  Lists(std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs, std::size_t count) : first_(count + 1, 0) {
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    for (const auto& [index, entry] : pairs) {
+      ++first_[index + 1];
+      entry_.push_back(entry);
+    }
+    for (std::size_t k = 0; k < count; ++k) first_[k + 1] += first_[k];
+  }
+  [[nodiscard]] std::span<const std::uint32_t> operator[](std::size_t index) const {
+    return {entry_.data() + first_[index], entry_.data() + first_[index + 1]};
+  }
 
-// Whether two roots that touch are parts of one smooth surface.
-bool continues(const ElementRoot& a, const V3d& normal_a, const ElementRoot& b, const V3d& normal_b,
-               const ElementMesh& mesh) {
-  if (mesh.is_sphere(a.shape) || mesh.is_sphere(b.shape)) return a.shape == b.shape && a.side == b.side;
-  return normal_a.dot(normal_b) >= smallest_cosine;
-}
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<std::uint32_t> entry_;
+};
 
-Irradiance blend(const Irradiance& a, const Irradiance& b, float t) {
-  return {a.direct * (1.0f - t) + b.direct * t, a.indirect * (1.0f - t) + b.indirect * t};
-}
+// Values at the vertices of clusters. A mean over the few triangles around each would be flat in the middle of
+// a cluster and step within one triangle to the next; a Gaussian about half as wide as clusters are makes it a
+// slope.
+class ClusterSmoothing {
+ public:
+  ClusterSmoothing(const VertexMesh& vertices, const ElementMesh& mesh)
+      : vertices_(vertices),
+        mesh_(mesh),
+        elements_(elements_at_vertices(), vertices.count()),
+        neighbours_(neighbours(), mesh.count()),
+        centroid_(mesh.count()) {
+    for (std::uint32_t element = 0; element < mesh.count(); ++element) {
+      if (element < vertices.faces().cells && !is_near_[element]) continue;
+      V3d sum(0.0);
+      for (std::size_t k = 0; k < mesh.patch_count(element); ++k) {
+        const Patch patch = mesh.patch(element, k);
+        sum += patch.centroid().position * patch.area;
+      }
+      const double area = mesh.whole_area(element);
+      centroid_[element] = area > 0.0 ? sum / area : mesh.patch(element).corner[0];
+    }
+  }
+
+  // Replaces the values of the vertices that clusters have.
+  void apply(std::span<const Irradiance> irradiance, std::vector<Irradiance>& value) {
+    std::vector<std::uint32_t> around;
+    for (std::uint32_t vertex = 0; vertex < vertices_.count(); ++vertex) {
+      const std::span<const std::uint32_t> here = elements_[vertex];
+      if (here.empty()) continue;
+      around.assign(here.begin(), here.end());
+      double area = 0.0;
+      std::size_t clusters = 0;
+      for (const std::uint32_t element : here) {
+        if (!mesh_.is_cluster(element)) continue;
+        around.insert(around.end(), neighbours_[element].begin(), neighbours_[element].end());
+        area += mesh_.area(element);
+        ++clusters;
+      }
+      std::sort(around.begin(), around.end());
+      around.erase(std::unique(around.begin(), around.end()), around.end());
+      value[vertex] = mean(V3d(vertices_.position(vertex)), around, 0.25 * area / static_cast<double>(clusters),
+                           irradiance);
+    }
+  }
+
+ private:
+  using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+  Pairs elements_at_vertices() {
+    std::vector<bool> wanted(vertices_.count(), false);
+    const VertexMesh::Faces& faces = vertices_.faces();
+    for (std::size_t face = faces.cells; face < faces.corner.size(); ++face)
+      for (const std::uint32_t vertex : faces.corner[face]) wanted[vertex] = true;
+    Pairs pairs;
+    is_near_.assign(faces.cells, false);
+    for_each_face(vertices_, mesh_, [&](std::uint32_t face, std::uint32_t element) {
+      for (const std::uint32_t vertex : faces.corner[face]) {
+        if (!wanted[vertex]) continue;
+        pairs.emplace_back(vertex, element);
+        if (element < faces.cells) is_near_[element] = true;
+      }
+    });
+    return pairs;
+  }
+
+  [[nodiscard]] Pairs neighbours() const {
+    Pairs pairs;
+    for (std::size_t vertex = 0; vertex < vertices_.count(); ++vertex) {
+      const std::span<const std::uint32_t> here = elements_[vertex];
+      if (here.size() < 2 || here.size() > most_neighbours_at_vertex) continue;
+      for (const std::uint32_t cluster : here)
+        for (const std::uint32_t other : here)
+          if (other != cluster && mesh_.is_cluster(cluster)) pairs.emplace_back(cluster, other);
+    }
+    return pairs;
+  }
+
+  // `variance` of the Gaussian, in units of area; only the distances beyond the nearest element's matter, so
+  // that one weight at least is not tiny.
+  [[nodiscard]] Irradiance mean(const V3d& position, std::span<const std::uint32_t> around, double variance,
+                                std::span<const Irradiance> irradiance) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t element : around)
+      if (mesh_.area(element) > 0.0) nearest = std::min(nearest, (centroid_[element] - position).length2());
+    Weighted sum;
+    for (const std::uint32_t element : around) {
+      const double farther = (centroid_[element] - position).length2() - nearest;
+      const double weight = farther > 0.0 ? std::exp(-farther / (2.0 * variance)) : 1.0;
+      if (weight > 0.0) sum.add(irradiance[element], mesh_.area(element) * weight);
+    }
+    return sum.mean();
+  }
+
+  const VertexMesh& vertices_;
+  const ElementMesh& mesh_;
+  std::vector<bool> is_near_;  // by element but clusters: it touches one
+  Lists elements_;             // by vertex of a cluster
+  Lists neighbours_;           // by cluster: elements that share a vertex with it
+  std::vector<V3d> centroid_;  // by element
+};
 
 }  // namespace
 
-// Sums of area x irradiance over the elements around a vertex.
-struct SmoothIrradiance::Weighted {
-  C3d direct{0.0}, indirect{0.0};
-  double area = 0.0;
-
-  void add(const Irradiance& irradiance, double weight) {
-    direct += C3d(irradiance.direct) * weight;
-    indirect += C3d(irradiance.indirect) * weight;
-    area += weight;
-  }
-  void add(const Weighted& other) {
-    direct += other.direct;
-    indirect += other.indirect;
-    area += other.area;
-  }
-  [[nodiscard]] Irradiance mean() const {
-    if (!(area > 0.0)) return {};
-    return {C3f(direct * (1.0 / area)), C3f(indirect * (1.0 / area))};
-  }
-};
-
-struct SmoothIrradiance::BorderVertex {
-  V3d position, normal;
-  std::uint32_t root;
-  std::size_t vertex;
-};
-
-struct SmoothIrradiance::BorderEdge {
-  V3d from, to;  // in ascending order, whichever way the edge runs
-  V3d normal;
-  std::uint32_t root;
-  int edge;
-  bool reversed;
-
-  // Numerators of vertex k counted from `from`.
-  [[nodiscard]] V2i vertex(int k, int divisions) const {
-    return edge_vertex(edge, reversed ? divisions - k : k, divisions);
-  }
-};
+std::vector<Irradiance> vertex_irradiance(const VertexMesh& vertices, const ElementMesh& mesh,
+                                          std::span<const Irradiance> irradiance) {
+  const VertexMesh::Faces& faces = vertices.faces();
+  std::vector<Weighted> sums(vertices.count());
+  for (std::uint32_t face = 0; face < faces.cells; ++face)
+    for (const std::uint32_t vertex : faces.corner[face]) sums[vertex].add(irradiance[face], mesh.area(face));
+  std::vector<Irradiance> value;
+  value.reserve(sums.size());
+  for (const Weighted& sum : sums) value.push_back(sum.mean());
+  throw_if_interrupted();
+  if (mesh.cluster_count() > 0) ClusterSmoothing(vertices, mesh).apply(irradiance, value);
+  for (const VertexMesh::Hanging& h : vertices.hanging())
+    value[h.vertex] = blend(value[h.from], value[h.to], static_cast<double>(h.t));
+  return value;
+}
 
 SmoothIrradiance::SmoothIrradiance(const ElementMesh& mesh, std::span<const Irradiance> irradiance) {
-  std::vector<Weighted> sums = sum_elements(mesh, irradiance);
-  weld_borders(mesh, sums);
-  value_.reserve(sums.size());
-  for (const Weighted& sum : sums) value_.push_back(sum.mean());
-  align_hanging_vertices(mesh);
+  VertexMesh vertices(mesh);
+  value_ = vertex_irradiance(vertices, mesh, irradiance);
+  faces_ = std::move(vertices).take_faces();
 }
 
-std::size_t SmoothIrradiance::vertex(const ElementMesh& mesh, std::uint32_t root, const V2i& numerators) const {
-  // Row y of a grid of n divisions has n + 1 - y vertices.
-  const auto n = static_cast<std::size_t>(divisions_of(mesh.roots()[root]));
-  const auto x = static_cast<std::size_t>(numerators.x), y = static_cast<std::size_t>(numerators.y);
-  return first_vertex_[root] + y * (2 * n + 3 - y) / 2 + x;
-}
-
-std::vector<SmoothIrradiance::Weighted> SmoothIrradiance::sum_elements(const ElementMesh& mesh,
-                                                                       std::span<const Irradiance> irradiance) {
-  std::size_t vertices = 0;
-  for (const ElementRoot& root : mesh.roots()) {
-    first_vertex_.push_back(vertices);
-    const auto n = static_cast<std::size_t>(divisions_of(root));
-    vertices += (n + 1) * (n + 2) / 2;
-  }
-  std::vector<Weighted> sums(vertices);
-  for (std::uint32_t r = 0; r < mesh.roots().size(); ++r) {
-    const ElementRoot& root = mesh.roots()[r];
-    const std::uint32_t cells = static_cast<std::uint32_t>(divisions_of(root) * divisions_of(root));
-    for (std::uint32_t element = root.first_element; element < root.first_element + cells; ++element)
-      for (const V2i& corner : cell_corners(cell_of(mesh, root, element)))
-        sums[vertex(mesh, r, corner)].add(irradiance[element], mesh.area(element));
-  }
-  return sums;
-}
-
-void SmoothIrradiance::weld_borders(const ElementMesh& mesh, std::vector<Weighted>& sums) const {
-  std::vector<BorderVertex> border;
-  for (std::uint32_t r = 0; r < mesh.roots().size(); ++r) {
-    const ElementRoot& root = mesh.roots()[r];
-    const V3d normal = root_normal(mesh, root);
-    for (int edge = 0; edge < 3; ++edge)
-      for (int k = 0; k < divisions_of(root); ++k) {
-        const V2i numerators = edge_vertex(edge, k, divisions_of(root));
-        border.push_back({mesh.grid_point(root, numerators, static_cast<std::uint32_t>(divisions_of(root))),
-                          normal, r, vertex(mesh, r, numerators)});
-      }
-  }
-  std::sort(border.begin(), border.end(), [](const BorderVertex& a, const BorderVertex& b) {
-    return std::tuple(key(a.position), a.vertex) < std::tuple(key(b.position), b.vertex);
-  });
-  const std::vector<Weighted> own = sums;
-  for (std::size_t begin = 0, end = 0; begin < border.size(); begin = end) {
-    while (end < border.size() && border[end].position == border[begin].position) ++end;
-    if (end - begin > most_at_vertex) continue;
-    // Every vertex of the group adds up in the same order, so that equal sets have equal sums.
-    for (std::size_t i = begin; i < end; ++i) {
-      Weighted sum;
-      for (std::size_t j = begin; j < end; ++j)
-        if (continues(mesh.roots()[border[i].root], border[i].normal, mesh.roots()[border[j].root],
-                      border[j].normal, mesh))
-          sum.add(own[border[j].vertex]);
-      sums[border[i].vertex] = sum;
-    }
-  }
-}
-
-// Where a coarse triangle meets a finer one, the finer one's vertices between the coarse ones take the values
-// that the coarse one interpolates there: otherwise the edge would show.
-void SmoothIrradiance::align_hanging_vertices(const ElementMesh& mesh) {
-  std::vector<BorderEdge> edges;
-  for (std::uint32_t r = 0; r < mesh.roots().size(); ++r) {
-    const ElementRoot& root = mesh.roots()[r];
-    for (int edge = 0; edge < 3; ++edge) {
-      V3d from = mesh.grid_point(root, edge_vertex(edge, 0, divisions_of(root)),
-                                 static_cast<std::uint32_t>(divisions_of(root)));
-      V3d to = mesh.grid_point(root, edge_vertex(edge, divisions_of(root), divisions_of(root)),
-                               static_cast<std::uint32_t>(divisions_of(root)));
-      const bool reversed = key(to) < key(from);
-      if (reversed) std::swap(from, to);
-      edges.push_back({from, to, root_normal(mesh, root), r, edge, reversed});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const BorderEdge& a, const BorderEdge& b) {
-    return std::tuple(key(a.from), key(a.to), a.root, a.edge) <
-           std::tuple(key(b.from), key(b.to), b.root, b.edge);
-  });
-  const std::vector<Irradiance> own = value_;
-  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    while (end < edges.size() && edges[end].from == edges[begin].from && edges[end].to == edges[begin].to)
-      ++end;
-    if (end - begin > most_at_vertex) continue;
-    for (std::size_t i = begin; i < end; ++i) {
-      const ElementRoot& fine = mesh.roots()[edges[i].root];
-      const BorderEdge* coarsest = &edges[i];
-      for (std::size_t j = begin; j < end; ++j)
-        if (divisions_of(mesh.roots()[edges[j].root]) < divisions_of(mesh.roots()[coarsest->root]) &&
-            continues(fine, edges[i].normal, mesh.roots()[edges[j].root], edges[j].normal, mesh))
-          coarsest = &edges[j];
-      const int n = divisions_of(fine), m = divisions_of(mesh.roots()[coarsest->root]);
-      for (int k = 1; k < n && m < n; ++k) {
-        const int left = k * m / n;
-        const float t = static_cast<float>(k * m - left * n) / static_cast<float>(n);
-        value_[vertex(mesh, edges[i].root, edges[i].vertex(k, n))] =
-            blend(own[vertex(mesh, coarsest->root, coarsest->vertex(left, m))],
-                  own[vertex(mesh, coarsest->root, coarsest->vertex(left + 1, m))], t);
-      }
-    }
-  }
-}
-
-Irradiance SmoothIrradiance::at(const ElementMesh& mesh, const ElementMesh::Location& location) const {
-  const std::uint32_t r = location.root;
-  const std::array<V2i, 3> corner = cell_corners(cell_of(mesh, mesh.roots()[r], location.element));
+Irradiance SmoothIrradiance::at(const ElementMesh::Location& location) const {
+  const std::array<std::uint32_t, 3>& corner = faces_.corner[faces_.find(location)];
   // Rounding may have left the cell by a hair: interpolation must not become extrapolation.
-  const float u = std::clamp(location.u, 0.0f, 1.0f), v = std::clamp(location.v, 0.0f, 1.0f - u);
-  const std::array<float, 3> weight{1.0f - u - v, u, v};
-  Irradiance result;
-  for (int k = 0; k < 3; ++k) {
-    const Irradiance& value = value_[vertex(mesh, r, corner[k])];
-    result.direct += value.direct * weight[k];
-    result.indirect += value.indirect * weight[k];
-  }
-  return result;
+  const double u = std::clamp(static_cast<double>(location.u), 0.0, 1.0);
+  const double v = std::clamp(static_cast<double>(location.v), 0.0, 1.0 - u);
+  const auto interpolate = [&](C3f Irradiance::*part) {
+    const C3d a(value_[corner[0]].*part), b(value_[corner[1]].*part), c(value_[corner[2]].*part);
+    return C3f(a + (b - a) * u + (c - a) * v);
+  };
+  return {interpolate(&Irradiance::direct), interpolate(&Irradiance::indirect)};
 }
 
 }  // namespace twopass

@@ -5,32 +5,31 @@
 
 #include "radiosity/elements.h"
 #include "radiosity/irradiance.h"
+#include "radiosity/vertex_mesh.h"
 
 namespace twopass {
 
-/// Area-weighted averages at the corners of elements, interpolated linearly between them. Elements that meet at
-/// less than 30 degrees share averages, over the borders of triangles and shapes too where vertices are equal.
+/// The irradiance at every vertex: the mean of the elements around it, weighted with their areas; around
+/// clusters the elements next to them count too, by their distance, so that the step from one cluster to the
+/// next is as wide as they are; and on the edge of a larger element what that one interpolates. Never outside
+/// of the range of the elements' (but 0 where all of them are buried). REQUIRES: the mesh of the vertices; one
+/// irradiance an element.
+std::vector<Irradiance> vertex_irradiance(const VertexMesh& vertices, const ElementMesh& mesh,
+                                          std::span<const Irradiance> irradiance);
+
+/// The irradiance at the vertices, interpolated linearly between them: continuous wherever elements share
+/// vertices, which they do over the borders of triangles and shapes too where vertices are equal.
 class SmoothIrradiance {
  public:
   /// REQUIRES: one irradiance an element.
   SmoothIrradiance(const ElementMesh& mesh, std::span<const Irradiance> irradiance);
 
-  /// REQUIRES: the mesh of the constructor, and a location with an element.
-  [[nodiscard]] Irradiance at(const ElementMesh& mesh, const ElementMesh::Location& location) const;
+  /// REQUIRES: a location with an element of the constructor's mesh.
+  [[nodiscard]] Irradiance at(const ElementMesh::Location& location) const;
 
  private:
-  struct Weighted;
-  struct BorderVertex;
-  struct BorderEdge;
-
-  [[nodiscard]] std::size_t vertex(const ElementMesh& mesh, std::uint32_t root, const V2i& numerators) const;
-  [[nodiscard]] std::vector<Weighted> sum_elements(const ElementMesh& mesh,
-                                                   std::span<const Irradiance> irradiance);
-  void weld_borders(const ElementMesh& mesh, std::vector<Weighted>& sums) const;
-  void align_hanging_vertices(const ElementMesh& mesh);
-
-  std::vector<std::size_t> first_vertex_;  // by root: of its triangular grid of vertices
-  std::vector<Irradiance> value_;          // by vertex
+  VertexMesh::Faces faces_;
+  std::vector<Irradiance> value_;  // by vertex
 };
 
 }  // namespace twopass

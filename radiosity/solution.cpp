@@ -25,7 +25,7 @@ Irradiance Solution::smooth_irradiance(const SurfacePoint& point) const {
   const ElementMesh::Location location = mesh_.locate(point);
   if (location.element == no_index) return {};
   std::call_once(smooth_->once, [&] { smooth_->field.emplace(mesh_, irradiance_); });
-  return smooth_->field->at(mesh_, location);
+  return smooth_->field->at(location);
 }
 
 }  // namespace twopass

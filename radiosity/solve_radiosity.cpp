@@ -199,6 +199,7 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
   const bool adaptive = options.subdivision == Subdivision::adaptive;
   ElementMesh mesh = divide_surfaces(scene, adaptive ? choice.max_elements / coarse_part : choice.max_elements);
   RadiosityStats stats;
+  stats.max_reflections = options.max_reflections;
   const bool is_dark = scene.lights().empty() && is_black(scene.sky());
   if (mesh.count() == 0 || is_dark) {
     stats.solver = name_of_value<Solver>(solver_names, choice.solver);

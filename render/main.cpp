@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 4096));
   twopass::Action action;
   twopass::add_render_command(program, global, action);
+  twopass::add_solve_command(program, global, action);
   twopass::add_form_factors_command(program, global, action);
   twopass::add_compare_command(program, global, action);
   twopass::add_info_command(program, global, action);

@@ -32,12 +32,34 @@ ordered_json radiosity_json(const std::optional<RadiosityStats>& stats) {
           {"memory_bytes", stats->memory_bytes}};
 }
 
+ordered_json render_json(const RenderStatistics& s) {
+  if (!s.is_render) return nullptr;
+  const double pixels = static_cast<double>(s.width) * s.height;
+  return {{"integrator", s.integrator},
+          {"width", s.width},
+          {"height", s.height},
+          {"spp", static_cast<double>(s.samples) / pixels},
+          {"samples", s.samples},
+          {"rays", s.outcome.counts.rays},
+          {"shadow_rays", s.outcome.counts.shadow_rays},
+          {"non_finite_samples", s.outcome.non_finite_samples},
+          {"relative_error", number_or_null(s.relative_error)},
+          {"stop_reason", s.outcome.stop_reason},
+          {"bias", nullptr}};
+}
+
 }  // namespace
+
+void RenderStatistics::count(const Scene& scene) {
+  triangles = 0;
+  for (const Shape& shape : scene.shapes())
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) triangles += mesh->triangles.size();
+  emitters = scene.lights().count();
+}
 
 void write_statistics(const std::filesystem::path& path, const RenderStatistics& s) {
   ordered_json skipped = ordered_json::array();
   for (const Skipped& entry : s.skipped) skipped.push_back({{"what", entry.what}, {"why", entry.why}});
-  const double pixels = static_cast<double>(s.width) * s.height;
   const ordered_json json = {
       {"program", {{"name", "twopass"}, {"version", program_version}}},
       {"scene",
@@ -54,18 +76,7 @@ void write_statistics(const std::filesystem::path& path, const RenderStatistics&
         {"render", s.render.cpu_seconds},
         {"total", s.total.cpu_seconds}}},
       {"radiosity", radiosity_json(s.radiosity)},
-      {"render",
-       {{"integrator", s.integrator},
-        {"width", s.width},
-        {"height", s.height},
-        {"spp", static_cast<double>(s.samples) / pixels},
-        {"samples", s.samples},
-        {"rays", s.outcome.counts.rays},
-        {"shadow_rays", s.outcome.counts.shadow_rays},
-        {"non_finite_samples", s.outcome.non_finite_samples},
-        {"relative_error", number_or_null(s.relative_error)},
-        {"stop_reason", s.outcome.stop_reason},
-        {"bias", nullptr}}},
+      {"render", render_json(s)},
       {"peak_memory_bytes", peak_memory_bytes()},
       {"threads", s.threads},
       {"seed", s.seed}};

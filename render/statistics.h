@@ -17,6 +17,7 @@ struct RenderStatistics {
   std::vector<Skipped> skipped;
   Elapsed load, build, radiosity_time, render, write, total;
   std::optional<RadiosityStats> radiosity;
+  bool is_render = true;  ///< false: the radiosity pass alone, all below but threads and seed is not used
   std::string integrator;
   int width = 0, height = 0;
   std::uint64_t samples = 0;
@@ -24,6 +25,9 @@ struct RenderStatistics {
   double relative_error = 0.0;  ///< infinity: not estimated
   int threads = 0;
   std::uint32_t seed = 0;
+
+  /// Fills in `triangles` and `emitters`.
+  void count(const Scene& scene);
 };
 
 /// Writes the statistics atomically. Throws Error.

@@ -30,6 +30,7 @@ using Action = std::function<int()>;
 // Each adds its command to the program; parsing then fills in `action` if the command was chosen. The
 // references must outlive the parsing and the action.
 void add_render_command(CLI::App& program, const GlobalOptions& global, Action& action);
+void add_solve_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_compare_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_form_factors_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_info_command(CLI::App& program, const GlobalOptions& global, Action& action);

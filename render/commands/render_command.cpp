@@ -1,7 +1,9 @@
 // twopass render: one picture.
 #include <cstdio>
 
+#include "radiosity/solution_file.h"
 #include "render/commands/command.h"
+#include "render/commands/radiosity_options.h"
 #include "render/commands/scene_options.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
@@ -23,8 +25,8 @@ struct RenderOptions {
   SamplingGoal goal;
   std::optional<int> max_depth;
   std::optional<std::uint32_t> seed;
-  RadiosityOptions radiosity;
-  std::string solver = "auto", form_factors = "auto";
+  RadiosityCommandOptions radiosity;
+  std::string solution_file;
   DisplayOptions display;
 };
 
@@ -69,22 +71,50 @@ Settings settle(const RenderOptions& options, const FileSettings& file, const Co
   return settings;
 }
 
+// Most diffuse reflections that the solution may hold for this render; -1: all.
+int max_reflections_of(const Settings& settings) {
+  return settings.limits.max_depth < 0 ? -1
+                                       : settings.limits.max_depth - edges_to_solution(settings.integrator);
+}
+
+std::string reflections_text(int max_reflections) {
+  return max_reflections < 0 ? "any number of reflections"
+                             : "at most " + std::to_string(max_reflections) + " reflections";
+}
+
+// A solution of other paths than this render's would be a picture of neither.
+Solution load_fitting_solution(const Scene& scene, const std::string& file, int max_reflections) {
+  Solution solution = load_solution(file, scene);
+  const int held = solution.stats().max_reflections;
+  if (held != max_reflections)
+    throw Error(file,
+                "it holds light of " + reflections_text(held) + ", this render needs that of " +
+                    reflections_text(max_reflections),
+                "make it again with twopass solve --max-reflections " + std::to_string(max_reflections) +
+                    ", or change --max-depth");
+  return solution;
+}
+
 std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& options,
                                       const Settings& settings, const Plan& plan, const Console& console,
                                       RenderStatistics& statistics) {
-  if (!plan.radiosity_pass) return std::nullopt;
-  RadiosityOptions radiosity = options.radiosity;
-  radiosity.solver = value_of_name<Solver>(solver_names, options.solver, "--solver", "solver");
-  radiosity.form_factors = value_of_name<FormFactorMethod>(form_factor_method_names, options.form_factors,
-                                                           "--form-factors", "form factor method");
-  radiosity.seed = settings.seed;
-  if (settings.limits.max_depth >= 0)
-    radiosity.max_reflections = settings.limits.max_depth - edges_to_solution(settings.integrator);
+  if (!plan.radiosity_pass) {
+    for (const Skipped& skipped : plan.skipped)
+      if (!options.solution_file.empty() && skipped.what == "radiosity pass")
+        console.note(options.solution_file + ": not needed, because " + skipped.why);
+    return std::nullopt;
+  }
+  const int max_reflections = max_reflections_of(settings);
+  RadiosityOptions radiosity = options.radiosity.settle(settings.seed);
+  radiosity.max_reflections = max_reflections;
   const Stopwatch stopwatch;
-  Solution solution = solve_radiosity(scene, radiosity);
+  Solution solution = options.solution_file.empty()
+                          ? solve_radiosity(scene, radiosity)
+                          : load_fitting_solution(scene, options.solution_file, max_reflections);
   statistics.radiosity_time = stopwatch.elapsed();
   statistics.radiosity = solution.stats();
   for (const std::string& note : solution.stats().notes) console.note(note);
+  if (!options.solution_file.empty()) console.note("radiosity pass: taken from " + options.solution_file);
   char text[200];
   std::snprintf(text, sizeof text, "radiosity: %zu elements, %s, %s, %zu iterations, error bound %.2g, %.2f s",
                 solution.stats().elements, solution.stats().form_factors.c_str(),
@@ -171,9 +201,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.render = stopwatch.elapsed();
 
   s.scene_file = options.scene.file;
-  for (const Shape& shape : scene.shapes())
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) s.triangles += mesh->triangles.size();
-  s.emitters = scene.lights().count();
+  s.count(scene);
   s.skipped = plan.skipped;
   s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);
   s.width = settings.width;
@@ -203,6 +231,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
   auto options = std::make_shared<RenderOptions>();
   CLI::App& command = *program.add_subcommand("render", "Render one picture");
   options->scene.add_to(command);
+  options->scene.add_sky_to(command);
   options->scene.add_view_to(command);
   command
       .add_option("-o,--output", options->outputs,
@@ -220,16 +249,9 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
   command.add_option("--max-depth", options->max_depth, "Most edges of a path; -1 unlimited, 2 direct light")
       ->check(CLI::Range(-1, 1 << 30));
   command.add_option("--seed", options->seed, "Seed of all random numbers");
-  command.add_option("--solver", options->solver,
-                     "Radiosity solver: auto, lu, jacobi, gauss-seidel, progressive, cg, hierarchical or stochastic");
-  command.add_option("--form-factors", options->form_factors, "Form factors: auto, exact, point or rays");
-  command
-      .add_option("--radiosity-error", options->radiosity.relative_error,
-                  "Relative error bound of the radiosity solver")
-      ->check(CLI::Range(1e-12, 1.0))
-      ->capture_default_str();
-  command.add_option("--elements", options->radiosity.max_elements, "Most radiosity elements")
-      ->check(CLI::Range(1, 1 << 30));
+  CLI::Option* solution = command.add_option("--solution", options->solution_file,
+                                             "Radiosity solution of twopass solve to use instead of solving");
+  for (CLI::Option* option : options->radiosity.add_to(command)) solution->excludes(option);
   command.add_option("--ocio", options->display.config,
                      "OpenColorIO configuration (default: $OCIO, else built in)");
   command.add_option("--display", options->display.display, "Display of the configuration");

@@ -25,16 +25,19 @@ void SceneOptions::add_to(CLI::App& command) {
       ->allow_extra_args(false);
 }
 
+void SceneOptions::add_sky_to(CLI::App& command) {
+  command.add_option("--sky", sky, "Constant radiance of the sky, R,G,B, for scenes that have none")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::NonNegativeNumber);
+}
+
 void SceneOptions::add_view_to(CLI::App& command) {
   command.add_option("--camera", camera, "Camera: origin, target and up, ox,oy,oz,tx,ty,tz,ux,uy,uz")
       ->delimiter(',')
       ->expected(9);
   command.add_option("--fov", fov_degrees, "Horizontal field of view of the camera, degrees")
       ->check(CLI::Range(1e-3, 179.9));
-  command.add_option("--sky", sky, "Constant radiance of the sky, R,G,B, for scenes that have none")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::NonNegativeNumber);
 }
 
 LoadedScene SceneOptions::load(const Console& console, Framing framing) const {

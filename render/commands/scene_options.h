@@ -22,8 +22,9 @@ struct SceneOptions {
   /// Whether a scene without a camera gets one that frames it.
   enum class Framing { none, automatic };
 
-  /// The file and the parameters of its contents; `add_view_to` adds camera and sky.
+  /// The file and the parameters of its contents; `add_sky_to` adds the sky, `add_view_to` the camera.
   void add_to(CLI::App& command);
+  void add_sky_to(CLI::App& command);
   void add_view_to(CLI::App& command);
   /// Loads the scene, applies the options, and says on the console what was noticed. Throws Error.
   [[nodiscard]] LoadedScene load(const Console& console, Framing framing) const;

@@ -2,9 +2,7 @@
 // for.
 #include <benchmark/benchmark.h>
 
-#include "radiosity/direct_irradiance.h"
-#include "radiosity/enforce.h"
-#include "radiosity/ray_survey.h"
+#include "radiosity/assemble.h"
 #include "radiosity/solvers.h"
 #include "radiosity/subdivision.h"
 #include "tests/radiosity/test_scenes.h"
@@ -19,19 +17,10 @@ constexpr double bounds[] = {1e-2, 1e-4, 1e-8};
 Balance room_balance() {
   const Scene scene(test::lit_room());
   ElementMesh mesh = divide_surfaces(scene, 2000);
-  const RaySurvey survey = survey_with_rays(scene, mesh, 512, 0);
-  mesh.expose(survey.exposed);
-  Balance balance;
-  std::vector<double> target;
-  for (std::uint32_t i = 0; i < mesh.count(); ++i) {
-    balance.area.push_back(mesh.area(i));
-    target.push_back(mesh.area(i) * survey.share_on_elements(i));
-  }
-  balance.exchange = exchange_from_landings(survey, mesh);
-  scale_to_row_sums(balance.exchange, std::vector<double>(mesh.count(), 0.0), target, balance.area, 1e-7);
-  std::uint64_t rays = 0;
-  balance.direct = direct_irradiance(scene, mesh, FormFactorMethod::rays, false, 0, rays).irradiance;
-  return balance;
+  RadiosityOptions options;
+  options.rays_per_element = 512;
+  RadiosityStats stats;
+  return assemble_balance(scene, mesh, options, FormFactorMethod::rays, stats);
 }
 
 template <class Solve>

@@ -51,7 +51,7 @@ class Program : public testing::Test {
 TEST_F(Program, HelpAndVersionSucceed) {
   const Outcome help = run("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command : {"render", "form-factors", "compare", "info"})
+  for (const char* command : {"render", "solve", "form-factors", "compare", "info"})
     EXPECT_NE(help.out.find(command), std::string::npos);
   EXPECT_EQ(run("--version").exit_code, 0);
   EXPECT_EQ(run("render --help").exit_code, 0);
@@ -60,7 +60,10 @@ TEST_F(Program, HelpAndVersionSucceed) {
 TEST_F(Program, WrongUsageExitsWithTwo) {
   for (const char* arguments :
        {"", "paint", "render", "render a.xml", "render a.xml -o b.exr --spp 0", "render a.xml -o b.exr --bogus",
-        "render a.xml -o b.exr --camera 1,2,3", "compare a.exr"})
+        "render a.xml -o b.exr --camera 1,2,3", "compare a.exr", "solve a.xml",
+        "solve a.xml -o b.ply --elements 0", "solve a.xml -o b.ply --hemicube-resolution 1",
+        "render a.xml -o b.exr --solution c.radiosity --solver lu",
+        "render a.xml -o b.exr --elements 10 --solution c.radiosity"})
     EXPECT_EQ(run(arguments).exit_code, 2) << arguments;
 }
 
@@ -84,6 +87,12 @@ TEST_F(Program, ErrorsAreOneLineOfWhereWhatAndWhatToDoWithExitCodeOne) {
       {"render " + box_ + "-o a.exr --camera 0,0,0,0,0,0,0,1,0", "--camera"},
       {"render " + box_ + "-o a.exr -D nonsense", "name=value"},
       {"compare missing.exr missing.exr", "missing.exr"},
+      {"solve missing.xml -o a.gif", ".radiosity, .glb, .ply"},
+      {"solve missing.xml -o nowhere/a.ply", "nowhere"},
+      {"solve '" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' -o a.ply --subdivision magic",
+       "uniform, adaptive"},
+      {"render " + box_ + "-o a.exr --solution missing.radiosity", "missing.radiosity: "},
+      {"render " + box_ + "-o a.exr --solution bad.xml", "not a radiosity solution"},
   };
   for (const auto& c : cases) {
     const Outcome result = run(c.arguments + " --quiet");
@@ -127,6 +136,71 @@ TEST_F(Program, SameBytesOnOneAndTwoThreadsAndOtherBytesWithAnotherSeed) {
     EXPECT_EQ(read(folder_ / "one.exr"), read(folder_ / "two.exr")) << integrator;
     EXPECT_NE(read(folder_ / "one.exr"), read(folder_ / "seed.exr")) << integrator;
   }
+}
+
+const std::string cornell_box = "'" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' ";
+
+TEST_F(Program, ASavedSolutionGivesTheSamePictureWithoutSolving) {
+  ASSERT_EQ(run("solve " + cornell_box + "-o s.radiosity --elements 800 --stats s.json").exit_code, 0);
+  for (const std::string integrator : {"twopass", "radiosity"}) {
+    const std::string arguments = "render " + box_ + "--spp 4 --integrator " + integrator;
+    const Outcome loaded = run(arguments + " -o a.exr --solution s.radiosity --stats a.json");
+    ASSERT_EQ(loaded.exit_code, 0) << loaded.err;
+    EXPECT_NE(loaded.err.find("radiosity pass: taken from s.radiosity"), std::string::npos);
+    ASSERT_EQ(run(arguments + " -o b.exr --elements 800").exit_code, 0);
+    EXPECT_EQ(read(folder_ / "a.exr"), read(folder_ / "b.exr")) << integrator;
+    const auto solved = nlohmann::json::parse(read(folder_ / "s.json")),
+               rendered = nlohmann::json::parse(read(folder_ / "a.json"));
+    EXPECT_EQ(solved["radiosity"], rendered["radiosity"]);
+    EXPECT_LT(rendered["seconds"]["radiosity"], solved["seconds"]["radiosity"]);
+  }
+  // Of another scene, of other paths, not needed.
+  const Outcome other = run("render '" TWOPASS_SOURCE_DIR
+                            "/scenes/hidden/scene.xml' --size 40x40 --spp 1 -o c.exr --solution s.radiosity");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.err.find("s.radiosity: this solution belongs to another scene; "), std::string::npos);
+  const Outcome shorter = run("render " + box_ + "--spp 1 -o c.exr --solution s.radiosity --max-depth 5");
+  EXPECT_EQ(shorter.exit_code, 1);
+  EXPECT_NE(shorter.err.find("--max-reflections 2"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "c.exr"));
+  const Outcome path = run("render " + box_ + "--spp 1 -o c.exr --solution s.radiosity --integrator path");
+  EXPECT_EQ(path.exit_code, 0);
+  EXPECT_NE(path.err.find("s.radiosity: not needed, because"), std::string::npos);
+
+  ASSERT_EQ(run("solve " + cornell_box + "-o t.radiosity --elements 800 --max-reflections 2").exit_code, 0);
+  ASSERT_EQ(run("render " + box_ + "--spp 4 --max-depth 5 -o a.exr --solution t.radiosity").exit_code, 0);
+  ASSERT_EQ(run("render " + box_ + "--spp 4 --max-depth 5 -o b.exr --elements 800").exit_code, 0);
+  EXPECT_EQ(read(folder_ / "a.exr"), read(folder_ / "b.exr"));
+}
+
+TEST_F(Program, SolveWritesAllFormatsAndASummary) {
+  const Outcome result =
+      run("solve " + cornell_box + "-o s.radiosity -o s.glb -o s.ply --elements 300 --stats s.json --seed 3");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part : {"solver        gauss-seidel\n", "form factors  rays\n", "elements ", "links ",
+                           "iterations ", "rays ", "residual ", "error bound ", "time ", "memory ",
+                           "wrote s.radiosity\n", "wrote s.glb\n", "wrote s.ply\n"})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << result.out;
+  EXPECT_EQ(read(folder_ / "s.glb").substr(0, 4), "glTF");
+  EXPECT_EQ(read(folder_ / "s.ply").substr(0, 4), "ply\n");
+  const auto stats = nlohmann::json::parse(read(folder_ / "s.json"));
+  EXPECT_TRUE(stats["render"].is_null());
+  EXPECT_EQ(stats["radiosity"]["solver"], "gauss-seidel");
+  EXPECT_GT(stats["radiosity"]["elements"], 100);
+  EXPECT_GT(stats["scene"]["triangles"], 20);
+  EXPECT_EQ(stats["seed"], 3);
+  EXPECT_EQ(run("solve " + cornell_box + "-o s.radiosity --elements 300 --quiet").out, "");
+}
+
+TEST_F(Program, ScenesWithoutLightOrDiffuseSurfacesAreSolvedToo) {
+  write("dark.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Outcome result = run("solve dark.obj -o s.radiosity -o s.glb -o s.ply");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("nothing emits light"), std::string::npos);
+  // A sky makes it another scene.
+  EXPECT_EQ(run("render dark.obj -o a.exr --spp 1 --size 8x8 --sky 1,1,1 --solution s.radiosity").exit_code, 1);
+  ASSERT_EQ(run("solve dark.obj -o s.radiosity --sky 1,1,1").exit_code, 0);
+  EXPECT_EQ(run("render dark.obj -o a.exr --spp 1 --size 8x8 --sky 1,1,1 --solution s.radiosity").exit_code, 0);
 }
 
 TEST_F(Program, CompareMeasuresAndEnforcesLimits) {

@@ -1,0 +1,26 @@
+// Radiosity solutions in files, to be used again for other views of the same scene.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "radiosity/solution.h"
+
+namespace twopass {
+
+/// Writes the solution atomically. The file names the scene by its fingerprint, so it serves no other.
+/// REQUIRES: a solution of the scene. Throws Error when it cannot be written.
+void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution);
+
+/// The same solution again, bit for bit. Throws Error when the file cannot be read, is not a solution, is
+/// damaged (any single byte, any missing end), was written by a newer version of the program, or belongs to
+/// another scene. REQUIRES: the scene outlives the solution.
+Solution load_solution(const std::filesystem::path& path, const Scene& scene);
+
+/// The same to and from the bytes of a file; `where` stands for it in errors.
+std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution);
+Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scene,
+                             const std::filesystem::path& where);
+
+}  // namespace twopass
