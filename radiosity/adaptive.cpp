@@ -12,7 +12,7 @@ namespace {
 
 double brightest(const C3f& x) { return static_cast<double>(std::max(std::max(x.x, x.y), x.z)); }
 
-// (R40) for one element that is not a cluster.
+// (R37) for one element that is not a cluster.
 double misplaced_in(const ElementMesh& mesh, const SmoothIrradiance& smooth, std::uint32_t element) {
   const ElementMesh::Location corner[] = {{element, mesh.root_index(element), 0.0f, 0.0f},
                                           {element, mesh.root_index(element), 1.0f, 0.0f},

@@ -9,7 +9,7 @@
 
 namespace twopass {
 
-/// The power that a constant radiosity misplaces on each element (R40): area x albedo x difference between the
+/// The power that a constant radiosity misplaces on each element (R37): area x albedo x difference between the
 /// largest and the smallest irradiance at its corners, in W and of the brightest channel. 0 for clusters, which
 /// cannot be split. REQUIRES: one irradiance an element.
 std::vector<double> misplaced_power(const ElementMesh& mesh, std::span<const Irradiance> irradiance);

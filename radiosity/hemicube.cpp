@@ -59,7 +59,7 @@ class Hemicube {
       const Hit hit = scene_.caster().intersect(ray);
       if (hit.escaped()) continue;
       const SurfacePoint point = scene_.surface_point(ray, hit);
-      if (is_covered(ray, hit, point, normal, size)) {
+      if (is_covered(scene_, ray, hit, point, normal, size)) {
         covered += pixel.weight;
         continue;
       }

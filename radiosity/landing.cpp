@@ -4,8 +4,12 @@
 
 namespace twopass {
 
-bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point, const V3f& normal, float size) {
-  return point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
+bool is_covered(const Scene& scene, const Ray& ray, const Hit& hit, const SurfacePoint& point,
+                const V3f& normal, float size) {
+  const bool is_on_top =
+      point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
+  // Glass that stands on a table does not keep the light from it.
+  return is_on_top && !std::holds_alternative<Dielectric>(scene.bsdf(point));
 }
 
 Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler& sampler,
@@ -14,7 +18,7 @@ Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler
   ++rays;
   if (hit.escaped()) return {Landing::in_the_sky, no_index, {}};
   const SurfacePoint point = scene_.surface_point(ray, hit);
-  if (is_covered(ray, hit, point, normal, size)) return {Landing::buried, no_index, {}};
+  if (is_covered(scene_, ray, hit, point, normal, size)) return {Landing::buried, no_index, {}};
   const std::uint32_t element = mesh_.find(point);
   if (element != no_index) return {Landing::on_element, element, {}};
   if (shows_inside(point))

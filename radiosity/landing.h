@@ -9,8 +9,10 @@
 namespace twopass {
 
 /// Whether what a ray from an element of the given normal and size (ElementMesh::size) has met lies right on
-/// top of it: parallel and much closer than the element is large, like a lamp on a ceiling, a carpet.
-bool is_covered(const Ray& ray, const Hit& hit, const SurfacePoint& point, const V3f& normal, float size);
+/// top of it: parallel and much closer than the element is large, like a lamp on a ceiling, a carpet; but not
+/// glass.
+bool is_covered(const Scene& scene, const Ray& ray, const Hit& hit, const SurfacePoint& point,
+                const V3f& normal, float size);
 
 /// What a ray from an element met first.
 struct Landing {

@@ -51,11 +51,14 @@ inline constexpr Named<Solver> solver_names[] = {
 
 /// How the surfaces are divided into elements.
 enum class Subdivision {
-  uniform,   ///< all of about one size
-  adaptive,  ///< refined in a few rounds where the radiosity changes, by adaptive substructuring
+  automatic,  ///< adaptive if everything else is left to the program, too, and triangles are large enough to
+              ///< divide
+  uniform,    ///< all of about one size
+  adaptive,   ///< refined in a few rounds where the radiosity changes, by adaptive substructuring
 };
 
 inline constexpr Named<Subdivision> subdivision_names[] = {
+    {"auto", Subdivision::automatic},
     {"uniform", Subdivision::uniform},
     {"adaptive", Subdivision::adaptive},
 };
@@ -70,7 +73,7 @@ struct RadiosityOptions {
   double relative_error = 0.01;
   /// Most elements, as long as one a triangle and side is enough; 0: a number that suits the method.
   std::size_t max_elements = 0;
-  Subdivision subdivision = Subdivision::uniform;
+  Subdivision subdivision = Subdivision::automatic;
   /// Rays an element, for the method `rays`, for what is seen through specular surfaces and for the solver
   /// `stochastic`; 0: chosen, for `stochastic` so that its noise is within `relative_error`, too.
   std::uint32_t rays_per_element = 0;

@@ -13,12 +13,12 @@ namespace {
 
 // Measured: below this the bias of a gathered picture grows faster than the time shrinks, above it is the other
 // way round. Detailed scenes get one element for eight sides of triangles, up to the limit.
-constexpr std::size_t least_elements_rays = 16384, most_elements_rays = 262144;
+constexpr std::size_t least_elements_rays = 8192, most_elements_rays = 262144;
 constexpr std::size_t default_elements_analytic = 1500;
 // Adaptive substructuring starts with this part of the elements, and its pilot solutions, which only have to
 // show where the light changes, with so many rays an element.
 constexpr std::size_t coarse_part = 8;
-constexpr std::uint32_t pilot_rays = 64;
+constexpr std::uint32_t pilot_rays = 32;
 // Rays an element of the solver `stochastic` before it looks at its noise.
 constexpr double first_stochastic_rays = 16.0;
 // The part of the error that the iteration may use up.
@@ -31,15 +31,16 @@ struct Choice {
   FormFactorMethod method;
   Solver solver;
   std::size_t max_elements;
+  bool is_adaptive;
 };
 
-std::size_t default_elements_rays(const Scene& scene) {
+std::size_t triangle_sides(const Scene& scene) {
   std::size_t sides = 0;
   for (std::uint32_t s = 0; s < scene.shapes().size(); ++s)
     for (const Side side : {front, back})
       if (const auto* mesh = std::get_if<Mesh>(&scene.shapes()[s].geometry))
         sides += can_hold_radiosity(scene, s, side) ? mesh->triangles.size() : 0;
-  return std::clamp(sides / 8, least_elements_rays, most_elements_rays);
+  return sides;
 }
 
 // `own`: what the solver's rays or links amount to.
@@ -56,17 +57,25 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
                        options.form_factors == FormFactorMethod::automatic ||
                        options.form_factors == FormFactorMethod::rays;
   choice.method = by_rays ? FormFactorMethod::rays : options.form_factors;
-  choice.solver = options.solver == Solver::automatic ? Solver::gauss_seidel : options.solver;
+  choice.solver = options.solver;
   if (choice.solver == Solver::stochastic)
     refuse_form_factors("--solver stochastic", options.form_factors, FormFactorMethod::rays);
   if (choice.solver == Solver::hierarchical)
     refuse_form_factors("--solver hierarchical", options.form_factors, FormFactorMethod::exact);
   if (options.overshoot && choice.solver != Solver::progressive)
     throw Error("--overshoot", "only the solver progressive shoots", "use --solver progressive with it");
-  choice.max_elements = by_rays ? default_elements_rays(scene) : default_elements_analytic;
+  choice.max_elements = default_elements_analytic;
+  const std::size_t sides = triangle_sides(scene);
+  if (by_rays) choice.max_elements = std::clamp(sides / 8, least_elements_rays, most_elements_rays);
   if (choice.solver == Solver::lu)
     choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
   if (options.max_elements) choice.max_elements = options.max_elements;
+  // Who chooses a method or a number of elements compares, and wants the same elements for all of them.
+  const bool all_automatic = options.subdivision == Subdivision::automatic &&
+                             options.form_factors == FormFactorMethod::automatic &&
+                             options.solver == Solver::automatic && options.max_elements == 0;
+  choice.is_adaptive = options.subdivision == Subdivision::adaptive ||
+                       (all_automatic && coarse_part * sides <= choice.max_elements);
   return choice;
 }
 
@@ -95,11 +104,14 @@ std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh&
                                                 const RadiosityOptions& options, const Choice& choice,
                                                 RadiosityStats& stats) {
   const Balance balance = assemble_balance(scene, mesh, options, choice.method, stats);
-  const SolverResult result = run_solver(choice.solver, balance, options);
+  Solver solver = choice.solver;
+  // Conjugate gradients are never slower, and much faster where little is absorbed, but they want symmetry.
+  if (solver == Solver::automatic) solver = balance.specular.link.empty() ? Solver::cg : Solver::gauss_seidel;
+  const SolverResult result = run_solver(solver, balance, options);
   std::vector<Irradiance> irradiance(mesh.count());
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i] = {C3f(balance.direct[i]), C3f(result.irradiance[i])};
-  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, choice.solver);
+  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, solver);
   stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);
   stats.links = static_cast<std::size_t>(balance.exchange.nonZeros()) + balance.specular.link.size();
   stats.iterations = result.iterations;
@@ -176,7 +188,7 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
                               const Choice& choice, RadiosityStats& stats) {
   RadiosityOptions pilot = options;
   if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
-  const Choice pilot_choice{choice.method, Solver::gauss_seidel, choice.max_elements};
+  const Choice pilot_choice{choice.method, Solver::automatic, choice.max_elements, true};
   while (mesh.count() + 3 <= choice.max_elements) {
     RadiosityStats pilot_stats;
     const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, pilot_choice, pilot_stats);
@@ -196,8 +208,8 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
 
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
   const Choice choice = choose(scene, options);
-  const bool adaptive = options.subdivision == Subdivision::adaptive;
-  ElementMesh mesh = divide_surfaces(scene, adaptive ? choice.max_elements / coarse_part : choice.max_elements);
+  ElementMesh mesh =
+      divide_surfaces(scene, choice.is_adaptive ? choice.max_elements / coarse_part : choice.max_elements);
   RadiosityStats stats;
   stats.max_reflections = options.max_reflections;
   const bool is_dark = scene.lights().empty() && is_black(scene.sky());
@@ -209,7 +221,7 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
     std::vector<Irradiance> darkness(mesh.count());
     return Solution(std::move(mesh), std::move(darkness), std::move(stats));
   }
-  if (adaptive) mesh = refine_adaptively(scene, std::move(mesh), options, choice, stats);
+  if (choice.is_adaptive) mesh = refine_adaptively(scene, std::move(mesh), options, choice, stats);
   std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
 }

@@ -5,8 +5,8 @@
 //   look-up  mean |E - E_ref| of the irradiance read at the points: what a picture of the bare solution shows;
 //   gather   mean |G - G_ref| of the irradiance gathered there along rays that read the solution where they
 //            end: what a picture of two passes shows, before noise; and its mean without the bars, the bias.
-// The reference is gathered in the same rays from a solution of 262,144 elements and 128 rays an element, so that
-// the gathering itself makes no difference; its direct light comes from sampled lights.
+// The reference is gathered in the same rays from a solution of 262,144 elements and 128 rays an element, so
+// that the gathering itself makes no difference; its direct light comes from sampled lights.
 #include <cstdio>
 
 #include "radiosity/solution.h"
@@ -134,25 +134,46 @@ struct Setting {
   const char* solver;
   std::size_t elements;
   std::uint32_t rays;
-  const char* subdivision = "uniform";
+  const char* subdivision = "auto";
+  double relative_error = 0.01;
 };
 
-// What is compared with what: sizes for each method, and all solvers on the same elements.
+// What is compared with what: form factors at several sizes, solvers on the same elements, sizes of elements.
 constexpr Setting settings[] = {
     {"auto", "auto", 0, 0},
-    {"rays", "gauss-seidel", 500, 0},
-    {"rays", "gauss-seidel", 2000, 0},
-    {"rays", "gauss-seidel", 8192, 0},
-    {"rays", "gauss-seidel", 8192, 32},
-    {"rays", "gauss-seidel", 8192, 1024},
-    {"rays", "gauss-seidel", 32768, 0},
-    {"rays", "gauss-seidel", 2000, 0, "adaptive"},
-    {"rays", "gauss-seidel", 8192, 0, "adaptive"},
-    {"rays", "gauss-seidel", 32768, 0, "adaptive"},
-    {"exact", "gauss-seidel", 500, 0},
-    {"exact", "gauss-seidel", 2000, 0},
-    {"point", "gauss-seidel", 500, 0},
-    {"point", "gauss-seidel", 2000, 0},
+    // Form factors.
+    {"rays", "cg", 500, 0, "uniform"},
+    {"rays", "cg", 2000, 0, "uniform"},
+    {"exact", "cg", 500, 0, "uniform"},
+    {"exact", "cg", 2000, 0, "uniform"},
+    {"point", "cg", 500, 0, "uniform"},
+    {"point", "cg", 2000, 0, "uniform"},
+    {"hemicube", "cg", 500, 0, "uniform"},
+    {"hemicube", "cg", 2000, 0, "uniform"},
+    // Solvers.
+    {"rays", "lu", 2000, 0, "uniform"},
+    {"rays", "jacobi", 2000, 0, "uniform"},
+    {"rays", "gauss-seidel", 2000, 0, "uniform"},
+    {"rays", "progressive", 2000, 0, "uniform"},
+    {"auto", "hierarchical", 2000, 0, "uniform", 0.1},
+    {"auto", "hierarchical", 2000, 0, "uniform", 0.01},
+    {"auto", "stochastic", 2000, 64, "uniform"},
+    {"auto", "stochastic", 2000, 512, "uniform"},
+    // Rays and elements.
+    {"rays", "cg", 8192, 32, "uniform"},
+    {"rays", "cg", 8192, 128, "uniform"},
+    {"rays", "cg", 16384, 64, "uniform"},
+    {"rays", "cg", 65536, 32, "uniform"},
+    {"auto", "stochastic", 16384, 64, "uniform"},
+    {"auto", "stochastic", 65536, 32, "uniform"},
+    {"auto", "hierarchical", 16384, 0, "uniform", 0.1},
+    // Adaptive substructuring.
+    {"rays", "cg", 1000, 0, "adaptive"},
+    {"rays", "cg", 2000, 0, "adaptive"},
+    {"rays", "cg", 4000, 0, "adaptive"},
+    {"rays", "cg", 8192, 0, "adaptive"},
+    {"rays", "cg", 16384, 0, "adaptive"},
+    {"rays", "cg", 65536, 0, "adaptive"},
 };
 
 void measure(const std::string& file, const char* name) {
@@ -173,6 +194,7 @@ void measure(const std::string& file, const char* name) {
         value_of_name<Subdivision>(subdivision_names, setting.subdivision, "settings", "subdivision");
     options.max_elements = setting.elements;
     options.rays_per_element = setting.rays;
+    options.relative_error = setting.relative_error;
     try {
       const Stopwatch stopwatch;
       const Solution solution = solve_radiosity(scene, options);

@@ -98,5 +98,22 @@ TEST(RaySurvey, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(one.rays, two.rays);
 }
 
+// A carpet takes the light from the floor below it, a sheet of glass does not.
+TEST(RaySurvey, GlassDoesNotBury) {
+  for (const bool is_glass : {false, true}) {
+    SceneDescription description = test::lit_cube(0.5f);
+    test::add_diffuse(description, "sheet",
+                      test::quad(V3f(0.25f, 0.25f, 0.001f), V3f(0.5f, 0, 0), V3f(0, 0.5f, 0)), C3f(0.5f));
+    if (is_glass) description.materials.back() = interface_material("glass", Dielectric{});
+    const Scene scene(std::move(description));
+    ElementMesh mesh = divide_surfaces(scene, 200);
+    mesh.expose(survey_with_rays(scene, mesh, 256, 0).exposed);
+    double floor = 0.0;
+    for (std::uint32_t i = 0; i < mesh.count(); ++i)
+      if (mesh.root(i).shape == 0) floor += mesh.area(i);
+    EXPECT_NEAR(floor, is_glass ? 1.0 : 0.75, 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace twopass

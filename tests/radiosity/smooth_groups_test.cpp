@@ -1,6 +1,5 @@
 #include "radiosity/smooth_groups.h"
 
-
 #include <gtest/gtest.h>
 
 namespace twopass {

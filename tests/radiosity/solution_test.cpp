@@ -162,7 +162,7 @@ TEST(Solution, StatsTellWhatWasDone) {
   const RadiosityStats stats =
       solve_radiosity(scene, options_for(FormFactorMethod::automatic, 500, 0.01)).stats();
   EXPECT_EQ(stats.form_factors, "rays");
-  EXPECT_EQ(stats.solver, "gauss-seidel");
+  EXPECT_EQ(stats.solver, "cg");
   EXPECT_TRUE(stats.closed);
   EXPECT_GT(stats.links, 1000u);
   EXPECT_GT(stats.rays, 100000u);
