@@ -12,7 +12,7 @@ namespace twopass {
 
 struct RadiosityCommandOptions {
   RadiosityOptions radiosity;  ///< those that need no name
-  std::string solver = "auto", form_factors = "auto", subdivision = "uniform";
+  std::string solver = "auto", form_factors = "auto", subdivision = "auto";
 
   /// Adds the options to the command; returns them, for commands in which something else replaces them.
   std::vector<CLI::Option*> add_to(CLI::App& command);

@@ -170,5 +170,65 @@ TEST(FormFactorTruth, SphereOfTrianglesTendsToAreaOverSphere) {
     }
 }
 
+// CIE 171:2006, the geometry of its room of 4 x 4 x 3 m and points A to F up the wall, G to N along the floor.
+// The values are those of the closed form (R2) evaluated elsewhere; the standard prints 46.74 for A of 5.9's
+// wide opening, which is wrong.
+struct CiePoint {
+  V3d position, normal;
+  double expected;
+};
+
+std::vector<CiePoint> cie_points(std::initializer_list<double> wall, std::initializer_list<double> floor) {
+  std::vector<CiePoint> points;
+  double height = 2.75, distance = 0.25;
+  for (const double expected : wall) {
+    points.push_back({V3d(2, 0, height), V3d(0, 1, 0), expected});
+    height -= 0.5;
+  }
+  for (const double expected : floor) {
+    points.push_back({V3d(2, distance, 0), V3d(0, 0, 1), expected});
+    distance += 0.5;
+  }
+  return points;
+}
+
+// A square of the given edge in the middle of the ceiling, facing down.
+Polygon ceiling_square(double edge) {
+  const double low = 2.0 - 0.5 * edge;
+  return parallelogram(V3d(low, low, 3), V3d(0, edge, 0), V3d(edge, 0, 0));
+}
+
+TEST(FormFactorTruth, CieAreaSource) {
+  // 5.3: 1000 cd straight down from 1 m2: an exitance of 1000 pi lm/m2.
+  for (const auto& [position, normal, expected] : cie_points(
+           {32.6769, 75.1939, 81.3232, 69.0606, 53.4035, 40.0019}, {61.4241, 79.2552, 95.6673, 105.7782}))
+    EXPECT_NEAR(1000.0 * pi * point_form_factor(position, normal, ceiling_square(1.0)), expected, 6e-5);
+}
+
+TEST(FormFactorTruth, CieRoofOpeningsUnderAUniformSky) {
+  // 5.9: the sky component in per cent.
+  for (const auto& [position, normal, expected] :
+       cie_points({1.0401, 2.3935, 2.5886, 2.1983, 1.6999, 1.2733}, {1.9552, 2.5228, 3.0452, 3.3670}))
+    EXPECT_NEAR(100.0 * point_form_factor(position, normal, ceiling_square(1.0)), expected, 6e-5);
+  for (const auto& [position, normal, expected] :
+       cie_points({45.1226, 35.9005, 27.9916, 21.6385, 16.7163, 12.9674}, {26.7952, 30.9387, 33.9757, 35.5666}))
+    EXPECT_NEAR(100.0 * point_form_factor(position, normal, ceiling_square(4.0)), expected, 6e-5);
+}
+
+TEST(FormFactorTruth, CieReflectorOnTheFloor) {
+  // 5.6, second scenario: of a floor that is lit evenly, 100 E / (E_hz rho); the room upside down.
+  const Polygon floor = parallelogram(V3d(0.0), V3d(4, 0, 0), V3d(0, 4, 0));
+  double height = 0.75;
+  for (const double expected : {35.9005, 27.9916, 21.6385, 16.7163, 12.9674}) {
+    EXPECT_NEAR(100.0 * point_form_factor(V3d(2, 0, height), V3d(0, 1, 0), floor), expected, 6e-5);
+    height += 0.5;
+  }
+  double distance = 0.25;
+  for (const double expected : {26.7952, 30.9387, 33.9757, 35.5666}) {
+    EXPECT_NEAR(100.0 * point_form_factor(V3d(2, distance, 3), V3d(0, 0, -1), floor), expected, 6e-5);
+    distance += 0.5;
+  }
+}
+
 }  // namespace
 }  // namespace twopass
