@@ -177,19 +177,36 @@ TEST_F(Program, SolveWritesAllFormatsAndASummary) {
   const Outcome result =
       run("solve " + cornell_box + "-o s.radiosity -o s.glb -o s.ply --elements 300 --stats s.json --seed 3");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  for (const char* part : {"solver        gauss-seidel\n", "form factors  rays\n", "elements ", "links ",
-                           "iterations ", "rays ", "residual ", "error bound ", "time ", "memory ",
-                           "wrote s.radiosity\n", "wrote s.glb\n", "wrote s.ply\n"})
+  for (const char* part : {"solver        cg\n", "form factors  rays\n", "elements ", "links ", "iterations ",
+                           "rays ", "residual ", "error bound ", "time ", "memory ", "wrote s.radiosity\n",
+                           "wrote s.glb\n", "wrote s.ply\n"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part << result.out;
   EXPECT_EQ(read(folder_ / "s.glb").substr(0, 4), "glTF");
   EXPECT_EQ(read(folder_ / "s.ply").substr(0, 4), "ply\n");
   const auto stats = nlohmann::json::parse(read(folder_ / "s.json"));
   EXPECT_TRUE(stats["render"].is_null());
-  EXPECT_EQ(stats["radiosity"]["solver"], "gauss-seidel");
+  EXPECT_EQ(stats["radiosity"]["solver"], "cg");
   EXPECT_GT(stats["radiosity"]["elements"], 100);
   EXPECT_GT(stats["scene"]["triangles"], 20);
   EXPECT_EQ(stats["seed"], 3);
   EXPECT_EQ(run("solve " + cornell_box + "-o s.radiosity --elements 300 --quiet").out, "");
+}
+
+TEST_F(Program, SolveKnowsEverySolverAndMethod) {
+  for (const char* way :
+       {"--solver lu", "--solver jacobi", "--solver gauss-seidel", "--solver progressive",
+        "--solver progressive --overshoot", "--solver cg", "--solver hierarchical --radiosity-error 0.1",
+        "--solver stochastic --radiosity-error 0.1", "--form-factors exact", "--form-factors point",
+        "--form-factors hemicube --hemicube-resolution 16", "--form-factors rays", "--subdivision adaptive"}) {
+    const Outcome result = run("solve " + cornell_box + "-o s.radiosity --elements 150 " + way);
+    EXPECT_EQ(result.exit_code, 0) << way << result.err;
+    EXPECT_NE(result.out.find("residual "), std::string::npos) << way;
+    EXPECT_NE(result.out.find("error bound "), std::string::npos) << way;
+  }
+  EXPECT_EQ(run("solve " + cornell_box + "-o s.radiosity --solver stochastic --form-factors exact").exit_code,
+            1);
+  EXPECT_EQ(run("solve " + cornell_box + "-o s.radiosity --solver cg --overshoot").exit_code, 1);
+  EXPECT_EQ(run("solve " + cornell_box + "-o s.radiosity --solver none").exit_code, 1);
 }
 
 TEST_F(Program, ScenesWithoutLightOrDiffuseSurfacesAreSolvedToo) {
