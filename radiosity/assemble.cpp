@@ -23,7 +23,9 @@ std::uint32_t rays_of_a_million(std::size_t elements, std::size_t least, std::si
 class Enforcement {
  public:
   Enforcement(const RaySurvey& survey, const std::vector<double>& area, FormFactorMethod method)
-      : survey_(survey), area_(area), by_rays_(method == FormFactorMethod::rays) {}
+      : survey_(survey),
+        area_(area),
+        by_rays_(method == FormFactorMethod::rays || method == FormFactorMethod::hemicube) {}
 
   // What the sums are, or may be.
   [[nodiscard]] RowSums sums(const std::vector<double>& exchange_with_lamps) const {
@@ -72,7 +74,7 @@ class Enforcement {
 
   const RaySurvey& survey_;
   const std::vector<double>& area_;
-  bool by_rays_;
+  bool by_rays_;  // its sums are no better than what the survey's rays say
 };
 
 // Keeps the bound where media of different index amplify radiance: no row's sum, specular links included,
