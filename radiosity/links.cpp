@@ -92,24 +92,6 @@ struct KernelSamples {
   }
 };
 
-// (R12) between larger pieces than patches.
-double visible_fraction_of(const RayCaster& caster, const NodeSurface& a, const NodeSurface& b,
-                           std::uint32_t key, std::uint64_t& rays) {
-  double sum = 0.0, visible = 0.0;
-  for (std::uint32_t k = 0; k < node_pairs; ++k) {
-    Sampler sampler(key, 0, k);
-    const ElementPoint x = a.sample(sampler.next_2d()), y = b.sample(sampler.next_2d());
-    const V3d d = y.position - x.position;
-    const double cos_x = x.normal.dot(d), cos_y = -y.normal.dot(d), d2 = d.dot(d);
-    if (!(cos_x > 0.0) || !(cos_y > 0.0)) continue;
-    const double g = cos_x * cos_y / (d2 * d2);
-    sum += g;
-    ++rays;
-    if (!caster.occluded(x.ray_position(), y.ray_position())) visible += g;
-  }
-  return sum > 0.0 ? visible / sum : 0.0;
-}
-
 // Standard error of a visible fraction, which is not zero when all rays agree.
 double visibility_error(double visible) {
   const double believed = (visible * node_pairs + doubt) / (node_pairs + 2.0 * doubt);
@@ -233,7 +215,7 @@ class LinkRefiner::Search {
     }
     Link link = make_link(pair, exchange, spread_p, spread_q, 0.0);
     if (is_too_coarse(pair, link, output)) return;  // whatever the rays might say
-    const double visible = visible_fraction_of(refiner_.caster_, a, b, key(pair), output.rays);
+    const double visible = visible_fraction(refiner_.caster_, a, b, key(pair), node_pairs, output.rays);
     const double hidden = exchange * std::sqrt(visible * (1.0 - visible));
     link = make_link(pair, exchange * visible, spread_p * visible + hidden, spread_q * visible + hidden,
                      exchange * visibility_error(visible));
