@@ -3,6 +3,7 @@
 #pragma once
 
 #include <concepts>
+#include <string_view>
 #include <variant>
 
 #include "materials/conductor.h"
@@ -21,6 +22,7 @@ concept ScatteringModel = requires(const Model& model, V3f w, V2f u) {
     model.diffuse_reflectance()
     } -> std::same_as<C3f>;                       // albedo of the part that a radiosity solution can hold
   { model.is_specular() } -> std::same_as<bool>;  // only Dirac parts: nothing to evaluate
+  Model::visit_parameters(model, [](std::string_view, const auto&) {});  // (name, member) of each parameter
 };
 
 using Bsdf = std::variant<Diffuse, Conductor, Dielectric>;

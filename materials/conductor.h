@@ -19,6 +19,12 @@ struct Conductor {
   }
   [[nodiscard]] C3f diffuse_reflectance() const { return C3f(0.0f); }
   [[nodiscard]] bool is_specular() const { return true; }
+  template <class Self, class Visit>
+  static void visit_parameters(Self& self, Visit&& visit) {
+    visit("eta", self.eta);
+    visit("k", self.k);
+    visit("specular_reflectance", self.specular_reflectance);
+  }
 };
 
 }  // namespace twopass

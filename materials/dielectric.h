@@ -25,6 +25,12 @@ struct Dielectric {
   }
   [[nodiscard]] C3f diffuse_reflectance() const { return C3f(0.0f); }
   [[nodiscard]] bool is_specular() const { return true; }
+  template <class Self, class Visit>
+  static void visit_parameters(Self& self, Visit&& visit) {
+    visit("eta", self.eta);
+    visit("specular_reflectance", self.specular_reflectance);
+    visit("specular_transmittance", self.specular_transmittance);
+  }
 };
 
 }  // namespace twopass

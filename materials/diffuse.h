@@ -20,6 +20,10 @@ struct Diffuse {
   }
   [[nodiscard]] C3f diffuse_reflectance() const { return reflectance; }
   [[nodiscard]] bool is_specular() const { return false; }
+  template <class Self, class Visit>
+  static void visit_parameters(Self& self, Visit&& visit) {
+    visit("reflectance", self.reflectance);
+  }
 };
 
 }  // namespace twopass
