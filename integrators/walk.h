@@ -24,8 +24,9 @@ class Walk {
     }
     distance_ = hit.t;
     point_ = scene_.surface_point(ray_, hit);
+    bsdf_ = &scene_.resolve(point_, ray_.direction, storage_, [this] { return sampler_.next_1d(); });
     wo_ = point_.shading.to_local(-ray_.direction);
-    const C3f& emitted = scene_.emitted_radiance(point_);
+    const C3f emitted = scene_.emitted_radiance(point_);
     const bool hidden = limits_.hide_emitters && edges_ == 1 && !is_black(emitted);
     if (edges_ == 1) seen.alpha = hidden ? 0.0f : 1.0f;
     if (!is_black(emitted) && !hidden) seen.radiance += throughput_ * emitted * emission_weight();
@@ -53,7 +54,7 @@ class Walk {
     return edges_ < limits_.rr_depth || survives();
   }
 
-  [[nodiscard]] const Bsdf& bsdf() const { return scene_.bsdf(point_); }
+  [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
   [[nodiscard]] const C3f& throughput() const { return throughput_; }
   /// Length of the edge that led to the present point.
@@ -83,6 +84,8 @@ class Walk {
   RayCounts& counts_;
   Ray ray_;
   SurfacePoint point_;
+  Bsdf storage_;
+  const Bsdf* bsdf_ = nullptr;
   V3f wo_;  // towards where the path came from, local
   C3f throughput_{1.0f};
   float relative_ior_ = 1.0f;

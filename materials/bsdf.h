@@ -9,6 +9,7 @@
 #include "materials/conductor.h"
 #include "materials/dielectric.h"
 #include "materials/diffuse.h"
+#include "materials/null_model.h"
 
 namespace twopass {
 
@@ -25,9 +26,14 @@ concept ScatteringModel = requires(const Model& model, V3f w, V2f u) {
   Model::visit_parameters(model, [](std::string_view, const auto&) {});  // (name, member) of each parameter
 };
 
-using Bsdf = std::variant<Diffuse, Conductor, Dielectric>;
+using Bsdf = std::variant<Diffuse, Conductor, Dielectric, Null>;
 
-static_assert(ScatteringModel<Diffuse> && ScatteringModel<Conductor> && ScatteringModel<Dielectric>);
+/// What the models are called, in the variant's order.
+inline constexpr std::string_view model_names[] = {"diffuse", "conductor", "dielectric", "null"};
+static_assert(std::size(model_names) == std::variant_size_v<Bsdf>);
+
+static_assert(ScatteringModel<Diffuse> && ScatteringModel<Conductor> && ScatteringModel<Dielectric> &&
+              ScatteringModel<Null>);
 
 inline C3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return std::visit([&](const auto& model) { return model.eval(wo, wi); }, bsdf);

@@ -25,6 +25,9 @@ struct Dielectric {
   }
   [[nodiscard]] C3f diffuse_reflectance() const { return C3f(0.0f); }
   [[nodiscard]] bool is_specular() const { return true; }
+  [[nodiscard]] Dielectric from_behind() const {
+    return {1.0f / eta, specular_reflectance, specular_transmittance};
+  }
   template <class Self, class Visit>
   static void visit_parameters(Self& self, Visit&& visit) {
     visit("eta", self.eta);

@@ -62,7 +62,7 @@ class Shooter {
     ++rays;
     if (hit.escaped()) return std::nullopt;
     const SurfacePoint point = scene_.surface_point(ray, hit);
-    if (!is_specular(scene_.bsdf(point))) return std::nullopt;
+    if (!scene_.side(point).scatters_without_diffusing()) return std::nullopt;
     const SpecularPathEnd end = follow_specular(scene_, ray, point, Carried::power, sampler);
     rays += end.rays;
     if (end.escaped || is_black(end.weight)) return std::nullopt;

@@ -17,7 +17,8 @@ bool emits(const Shape& shape, Side side) { return !is_black(shape.radiance[side
 // Whether a side without elements is to be seen.
 bool is_shown(const Scene& scene, const ElementMesh& mesh, std::uint32_t shape, Side side) {
   const Shape& s = scene.shapes()[shape];
-  if (emits(s, side) || is_specular(scene.description().materials[s.material].side[side])) return true;
+  if (emits(s, side) || scene.description().materials[s.material].side[side].scatters_without_diffusing())
+    return true;
   return side == front && !mesh.has_elements(shape, back) && !emits(s, back);
 }
 
@@ -135,10 +136,10 @@ class DisplayMeshBuilder {
     used_.clear();
     result_.sides.push_back({root.shape, root.side, {}, {}, {}});
     const Shape& shape = scene_.shapes()[root.shape];
-    const Bsdf& bsdf = scene_.description().materials[shape.material].side[root.side];
-    reflectance_ = diffuse_reflectance(bsdf);
+    const MaterialSide& material = scene_.description().materials[shape.material].side[root.side];
+    reflectance_ = material.traits().mean_diffuse_reflectance;
     emitted_ = C3d(shape.radiance[root.side]);
-    if (is_specular(bsdf) && is_black(shape.radiance[root.side]))
+    if (material.scatters_without_diffusing() && is_black(shape.radiance[root.side]))
       emitted_ = C3d(specular_grey) / result_.exposure;
   }
 

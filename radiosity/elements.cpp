@@ -80,7 +80,7 @@ ElementMesh::ElementMesh(std::span<const Shape> shapes, std::span<const Material
       roots_(std::move(roots)) {
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     for (const Side side : {front, back})
-      reflectance_[s][side] = diffuse_reflectance(materials[shapes[s].material].side[side]);
+      reflectance_[s][side] = materials[shapes[s].material].side[side].traits().mean_diffuse_reflectance;
     if (const auto* sphere = std::get_if<Sphere>(&shapes[s].geometry)) {
       is_sphere_[s] = 1;
       sphere_center_[s] = sphere->center;

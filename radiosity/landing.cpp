@@ -9,7 +9,7 @@ bool is_covered(const Scene& scene, const Ray& ray, const Hit& hit, const Surfac
   const bool is_on_top =
       point.geometric_normal.dot(normal) < -0.9f && hit.t * ray.direction.dot(normal) < 0.25f * size;
   // Glass that stands on a table does not keep the light from it.
-  return is_on_top && !std::holds_alternative<Dielectric>(scene.bsdf(point));
+  return is_on_top && !scene.side(point).traits().transmits;
 }
 
 Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler& sampler,
@@ -23,7 +23,7 @@ Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler
   if (element != no_index) return {Landing::on_element, element, {}};
   if (shows_inside(point))
     return {is_inside_solid(ray, normal, sampler, rays) ? Landing::buried : Landing::on_black, no_index, {}};
-  if (is_specular(scene_.bsdf(point))) return {Landing::on_specular, no_index, point};
+  if (scene_.side(point).scatters_without_diffusing()) return {Landing::on_specular, no_index, point};
   const bool shines = !is_black(scene_.emitted_radiance(point));
   return {shines ? Landing::on_lamp : Landing::on_black, no_index, {}};
 }
@@ -31,7 +31,7 @@ Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler
 // The black back of a one-sided surface: most likely the inside of something solid.
 bool ElementRays::shows_inside(const SurfacePoint& point) const {
   return point.side == back && mesh_.has_elements(point.shape, front) &&
-         is_black(scene_.emitted_radiance(point)) && !is_specular(scene_.bsdf(point));
+         is_black(scene_.emitted_radiance(point)) && !scene_.side(point).scatters_without_diffusing();
 }
 
 // Whether two more rays from the same place see the inside of something solid, too: then it surrounds them.

@@ -26,17 +26,80 @@ class Hash {
   std::uint64_t state_ = 0;
 };
 
-// What decides how a model scatters. A new model does not compile without its own.
-void add_model(Hash& hash, const Diffuse& model) { hash.add(model.reflectance); }
-void add_model(Hash& hash, const Conductor& model) {
-  hash.add(model.eta);
-  hash.add(model.k);
-  hash.add(model.specular_reflectance);
+void add_model(Hash& hash, const Bsdf& bsdf) {
+  hash.add(std::uint64_t{bsdf.index()});
+  std::visit(
+      [&]<class Model>(const Model& model) {
+        Model::visit_parameters(model, [&]<class Parameter>(std::string_view, const Parameter& parameter) {
+          if constexpr (std::is_same_v<Parameter, float> || std::is_same_v<Parameter, C3f>)
+            hash.add(parameter);
+          else
+            hash.add(static_cast<std::uint64_t>(parameter));
+        });
+      },
+      bsdf);
 }
-void add_model(Hash& hash, const Dielectric& model) {
-  hash.add(model.eta);
-  hash.add(model.specular_reflectance);
-  hash.add(model.specular_transmittance);
+
+void add_uv_transform(Hash& hash, const UvTransform& m) {
+  for (const float x : {m.a, m.b, m.c, m.d, m.e, m.f}) hash.add(x);
+}
+void add_texture_kind(Hash& hash, const C3f& color) { hash.add(color); }
+void add_texture_kind(Hash& hash, const Checkerboard& checkerboard) {
+  hash.add(checkerboard.color0);
+  hash.add(checkerboard.color1);
+  add_uv_transform(hash, checkerboard.to_uv);
+}
+void add_texture_kind(Hash& hash, const Bitmap& bitmap) {
+  hash.add(static_cast<std::uint64_t>(bitmap.filter));
+  hash.add(static_cast<std::uint64_t>(bitmap.wrap));
+  add_uv_transform(hash, bitmap.to_uv);
+  hash.add(std::uint64_t(bitmap.image->width) << 32 | std::uint64_t(bitmap.image->height));
+  for (const float x : bitmap.image->pixels) hash.add(x);
+}
+void add_texture(Hash& hash, const Texture& texture) {
+  hash.add(std::uint64_t{texture.index()});
+  std::visit([&](const auto& kind) { add_texture_kind(hash, kind); }, texture);
+}
+
+void add_node(Hash& hash, const MaterialNode& node);
+
+void add_node_kind(Hash& hash, const TexturedModel& model) {
+  add_model(hash, model.bsdf);
+  for (const TextureBinding& binding : model.textures) {
+    hash.add(std::uint64_t{binding.parameter});
+    add_texture(hash, binding.texture);
+  }
+}
+void add_node_kind(Hash& hash, const Mixture& mixture) {
+  add_texture(hash, mixture.weight);
+  add_node(hash, *mixture.first);
+  add_node(hash, *mixture.second);
+}
+void add_options(Hash& hash, const PerturbedNormal& options) {
+  hash.add(std::uint64_t{options.flip_invalid} << 1 | std::uint64_t{options.soft_terminator});
+}
+void add_node_kind(Hash& hash, const BumpMap& bump) {
+  add_texture(hash, bump.height);
+  hash.add(bump.scale);
+  add_options(hash, bump.options);
+  add_node(hash, *bump.nested);
+}
+void add_node_kind(Hash& hash, const NormalMap& map) {
+  add_texture(hash, map.normal);
+  add_options(hash, map.options);
+  add_node(hash, *map.nested);
+}
+void add_node(Hash& hash, const MaterialNode& node) {
+  hash.add(std::uint64_t{node.kind.index()});
+  std::visit([&](const auto& kind) { add_node_kind(hash, kind); }, node.kind);
+}
+
+void add_side(Hash& hash, const MaterialSide& side) {
+  hash.add(std::uint64_t{side.is_uniform()});
+  if (side.is_uniform())
+    add_model(hash, side.uniform());
+  else
+    add_node(hash, *side.node());
 }
 
 void add_geometry(Hash& hash, const Mesh& mesh) {
@@ -44,6 +107,11 @@ void add_geometry(Hash& hash, const Mesh& mesh) {
   for (const V3f& p : mesh.positions) hash.add(p);
   hash.add(std::uint64_t{mesh.normals.size()});
   for (const V3f& n : mesh.normals) hash.add(n);
+  hash.add(std::uint64_t{mesh.uvs.size()});
+  for (const V2f& uv : mesh.uvs) {
+    hash.add(uv.x);
+    hash.add(uv.y);
+  }
   hash.add(std::uint64_t{mesh.triangles.size()});
   for (const V3u& t : mesh.triangles) hash.add(t);
 }
@@ -51,6 +119,7 @@ void add_geometry(Hash& hash, const Sphere& sphere) {
   hash.add(sphere.center);
   hash.add(sphere.radius);
   hash.add(std::uint64_t{sphere.inward});
+  for (const V3f& axis : sphere.axes) hash.add(axis);
 }
 
 }  // namespace
@@ -61,11 +130,9 @@ std::uint64_t scene_fingerprint(const Scene& scene) {
   for (const Shape& shape : scene.shapes()) {
     hash.add(std::uint64_t{shape.geometry.index()});
     std::visit([&](const auto& geometry) { add_geometry(hash, geometry); }, shape.geometry);
-    for (const Bsdf& bsdf : scene.description().materials[shape.material].side) {
-      hash.add(std::uint64_t{bsdf.index()});
-      std::visit([&](const auto& model) { add_model(hash, model); }, bsdf);
-    }
+    for (const MaterialSide& side : scene.description().materials[shape.material].side) add_side(hash, side);
     for (const C3f& radiance : shape.radiance) hash.add(radiance);
+    if (shape.radiance_texture) add_texture(hash, *shape.radiance_texture);
   }
   hash.add(scene.sky());
   return hash.value();

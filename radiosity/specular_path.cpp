@@ -13,8 +13,10 @@ SpecularPathEnd follow_specular(const Scene& scene, Ray ray, SurfacePoint point,
   C3f power(1.0f);              // what would arrive of a power: decides the roulette, whatever is carried
   float radiance_scale = 1.0f;  // the product of 1 / eta^2 on the way
   for (int surface = 0; surface < most_surfaces; ++surface) {
+    Bsdf storage;
+    const Bsdf& bsdf = scene.resolve(point, ray.direction, storage, [&] { return sampler.next_1d(); });
     const V3f wo = point.shading.to_local(-ray.direction);
-    const auto scattered = sample(scene.bsdf(point), wo, sampler.next_2d());
+    const auto scattered = sample(bsdf, wo, sampler.next_2d());
     if (!scattered) return end;
     const float eta2 = scattered->eta * scattered->eta;
     power *= scattered->weight * eta2;
@@ -30,7 +32,7 @@ SpecularPathEnd follow_specular(const Scene& scene, Ray ray, SurfacePoint point,
     ++end.rays;
     end.escaped = hit.escaped();
     if (!hit.escaped()) point = scene.surface_point(ray, hit);
-    if (hit.escaped() || !is_specular(scene.bsdf(point))) {
+    if (hit.escaped() || !scene.side(point).scatters_without_diffusing()) {
       end.weight = carried == Carried::radiance ? power * radiance_scale : power;
       end.point = point;
       return end;

@@ -91,8 +91,8 @@ Grid finest_grid(const Roots& roots, int base, double total_area, double extent,
 }  // namespace
 
 bool can_hold_radiosity(const Scene& scene, std::uint32_t shape, Side side) {
-  const Bsdf& bsdf = scene.description().materials[scene.shapes()[shape].material].side[side];
-  return !is_specular(bsdf) && !is_black(diffuse_reflectance(bsdf));
+  const Material& material = scene.description().materials[scene.shapes()[shape].material];
+  return !is_black(material.side[side].traits().mean_diffuse_reflectance);
 }
 
 ElementMesh divide_surfaces(const Scene& scene, std::size_t max_elements) {

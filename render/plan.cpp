@@ -7,9 +7,9 @@ SceneNeeds needs_of(const SceneDescription& scene) {
   needs.light = !is_black(scene.sky);
   for (const Shape& shape : scene.shapes) {
     if (is_emitter(shape)) needs.light = true;
-    for (const Bsdf& bsdf : scene.materials[shape.material].side) {
-      if (!is_black(diffuse_reflectance(bsdf))) needs.diffuse_reflection = true;
-      if (is_specular(bsdf)) needs.specular = true;
+    for (const MaterialSide& side : scene.materials[shape.material].side) {
+      if (!is_black(side.traits().mean_diffuse_reflectance)) needs.diffuse_reflection = true;
+      if (side.traits().may_be_specular) needs.specular = true;
     }
   }
   return needs;

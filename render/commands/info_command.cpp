@@ -19,10 +19,21 @@ struct InfoOptions {
   bool json = false;
 };
 
-const char* model_name(const Bsdf& bsdf) {
-  if (std::holds_alternative<Conductor>(bsdf)) return "conductor";
-  if (std::holds_alternative<Dielectric>(bsdf)) return "dielectric";
-  return "diffuse";
+// Counts a material's models, and what changes them.
+void count_models(std::map<std::string, std::size_t>& models, const MaterialNode& node) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) {
+    ++models[std::string(model_names[model->bsdf.index()])];
+  } else if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
+    ++models["mixture"];
+    count_models(models, *mixture->first);
+    count_models(models, *mixture->second);
+  } else if (const auto* bump = std::get_if<BumpMap>(&node.kind)) {
+    ++models["bumpmap"];
+    count_models(models, *bump->nested);
+  } else {
+    ++models["normalmap"];
+    count_models(models, *std::get<NormalMap>(node.kind).nested);
+  }
 }
 
 ordered_json describe(const LoadedScene& loaded) {
@@ -38,7 +49,7 @@ ordered_json describe(const LoadedScene& loaded) {
     }
   }
   std::map<std::string, std::size_t> models;
-  for (const Material& material : scene.materials) ++models[model_name(material.side[front])];
+  for (const Material& material : scene.materials) count_models(models, *material.side[front].node());
   const Box3f box = bounds_of(scene.shapes);
   ordered_json bounds = nullptr;
   if (!box.isEmpty())

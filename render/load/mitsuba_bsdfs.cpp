@@ -1,48 +1,22 @@
 #include "render/load/mitsuba_bsdfs.h"
 
+#include "materials/conductor_presets.h"
 #include "materials/ior.h"
 #include "render/core/error.h"
+#include "render/load/mitsuba_model.h"
 #include "render/load/mitsuba_properties.h"
 #include "render/load/text_file.h"
 
 namespace twopass {
 namespace {
 
-Material read_bsdf(const XmlNode& node, const MitsubaTree& tree);
+// What every reader needs.
+struct Context {
+  const MitsubaTree& tree;
+  MitsubaTextures& textures;
+};
 
-Material read_diffuse(Properties& p, const MitsubaTree&) {
-  return one_sided(p.id_or("diffuse"),
-                   Diffuse{p.color("reflectance", ColorUse::reflectance).value_or(C3f(0.5f))});
-}
-
-Material read_conductor(Properties& p, const MitsubaTree& tree) {
-  Conductor metal;
-  // Mitsuba 1 took copper for granted, later versions an ideal mirror.
-  const bool has_index = p.has("eta") || p.has("k");
-  const std::string standard = tree.version < 2.0 && !has_index ? "Cu" : "none";
-  const std::optional<std::string> given = p.text("material");
-  const std::string material = given.value_or(standard);
-  if (material != "none" && !(material.empty() && has_index))
-    throw Error(p.where("material"), "metals by name ('" + material + "') are not supported yet",
-                "give eta and k, or material \"none\" for an ideal mirror");
-  const std::optional<C3f> eta = p.color("eta", ColorUse::index), k = p.color("k", ColorUse::index);
-  if (given && (eta || k))
-    throw Error(p.where("material"), "both 'material' and 'eta' or 'k' are given", "give one of them");
-  if (eta.has_value() != k.has_value())
-    throw Error(p.where(), "a conductor needs both 'eta' and 'k'", "give the other one, too");
-  if (eta) {
-    float outside = 1.0f;
-    if (const XmlNode* ext = p.element("ext_eta", {"float", "integer", "string"}))
-      outside = ext->tag == "string" ? ior_of(ext->get("value"), ext->where())
-                                     : static_cast<float>(parse_number_attribute(*ext, "value"));
-    if (!(outside > 0.0f))
-      throw Error(p.where("ext_eta"), "an index of refraction must be positive", "correct it");
-    metal.eta = *eta * (1.0f / outside);
-    metal.k = *k * (1.0f / outside);
-  }
-  metal.specular_reflectance = p.color("specular_reflectance", ColorUse::reflectance).value_or(C3f(1.0f));
-  return one_sided(p.id_or("conductor"), metal);
-}
+Material read_bsdf(const XmlNode& node, const Context& context);
 
 /// An index of refraction as a number or as a substance's name.
 float read_ior(Properties& p, std::string_view name, std::string_view otherwise) {
@@ -55,41 +29,209 @@ float read_ior(Properties& p, std::string_view name, std::string_view otherwise)
   return value;
 }
 
-Material read_dielectric(Properties& p, const MitsubaTree&) {
-  Dielectric outside;
-  outside.eta = read_ior(p, "int_ior", "bk7") / read_ior(p, "ext_ior", "air");
-  outside.specular_reflectance = p.color("specular_reflectance", ColorUse::reflectance).value_or(C3f(1.0f));
-  outside.specular_transmittance = p.color("specular_transmittance", ColorUse::reflectance).value_or(C3f(1.0f));
-  return interface_material(p.id_or("dielectric"), outside);
+float read_relative_ior(Properties& p, std::string_view inside) {
+  return read_ior(p, "int_ior", inside) / read_ior(p, "ext_ior", "air");
 }
 
-Material read_two_sided(Properties& p, const MitsubaTree& tree) {
+/// Models without parameters of their own kind.
+template <class Model>
+Material read_plain(Properties& p, const Context& context) {
+  return material_of(p.id_or(p.type()), ModelReader(p, context.textures).read(Model{}));
+}
+
+/// Models with an index of refraction; `inside` names the substance that they are made of by default.
+template <class Model>
+Material read_interface(Properties& p, const Context& context, std::string_view inside) {
+  Model model{};
+  model.eta = read_relative_ior(p, inside);
+  p.ignore({"sample_visible"});  // noise, never the mean: we always sample what is visible
+  return material_of(p.id_or(p.type()), ModelReader(p, context.textures, {"eta"}).read(model));
+}
+template <class Model>
+Material read_glass(Properties& p, const Context& context) {
+  return read_interface<Model>(p, context, "bk7");
+}
+template <class Model>
+Material read_plastic(Properties& p, const Context& context) {
+  return read_interface<Model>(p, context, "polypropylene");
+}
+
+/// eta and k relative to the outside, by number or by name.
+template <class Model>
+Material read_metal(Properties& p, const Context& context) {
+  Model metal{};
+  const bool has_index = p.has("eta") || p.has("k");
+  const std::optional<std::string> given = p.text("material");
+  const std::optional<C3f> eta = p.color("eta", ColorUse::index), k = p.color("k", ColorUse::index);
+  if (given && (eta || k))
+    throw Error(p.where("material"), "both 'material' and 'eta' or 'k' are given", "give one of them");
+  if (eta.has_value() != k.has_value())
+    throw Error(p.where(), "a conductor needs both 'eta' and 'k'", "give the other one, too");
+  // Mitsuba 1 took copper for granted, later versions an ideal mirror.
+  const std::string name = given.value_or(context.tree.version < 2.0 && !has_index ? "Cu" : "none");
+  const ConductorIndex index = eta ? ConductorIndex{*eta, *k} : conductor_index_of(name, p.where("material"));
+  const float outside = p.has("ext_eta") ? read_ior(p, "ext_eta", "vacuum") : 1.0f;
+  metal.eta = index.eta * (1.0f / outside);
+  metal.k = index.k * (1.0f / outside);
+  p.ignore({"sample_visible"});
+  return material_of(p.id_or(p.type()), ModelReader(p, context.textures, {"eta", "k"}).read(metal));
+}
+
+template <class Model>
+Material read_principled(Properties& p, const Context& context) {
+  Model model{};
+  if (p.has("eta") && p.has("specular"))
+    throw Error(p.where("specular"), "both 'eta' and 'specular' are given", "give one of them");
+  if (const auto specular = p.number("specular")) {
+    if (!(*specular >= 0.0 && *specular <= 1.0))
+      throw Error(p.where("specular"), "specular is out of range", "must be between 0 and 1");
+    model.eta = eta_of_specular(static_cast<float>(*specular));
+  } else {
+    // A material that lets light through cannot have the index of what is around it.
+    if (p.has("eta")) model.eta = read_ior(p, "eta", "vacuum");
+  }
+  return material_of(p.id_or(p.type()), ModelReader(p, context.textures, {"eta"}).read(model));
+}
+
+const XmlNode& only_bsdf(Properties& p) {
+  const XmlNode* nested = p.object_of("bsdf");
+  if (!nested)
+    throw Error(p.where(), "bsdf '" + p.type() + "' holds no bsdf", "put the bsdf that it changes into it");
+  return *nested;
+}
+
+Material read_two_sided(Properties& p, const Context& context) {
   const std::vector<const XmlNode*> nested = p.objects("bsdf");
   if (nested.empty() || nested.size() > 2)
     throw Error(p.where(), "bsdf 'twosided' holds " + std::to_string(nested.size()) + " bsdfs",
                 "give one for both sides, or one for the front and one for the back");
+  const bool allows_transmission = p.boolean("allow_transmission", false);
   for (const XmlNode* inner : nested)
-    if (inner->get("type") == "twosided" || inner->get("type") == "dielectric")
-      throw Error(inner->where(), "bsdf '" + inner->get("type") + "' has two sides already",
+    if (inner->get("type") == "twosided")
+      throw Error(inner->where(), "bsdf 'twosided' has two sides already", "do not nest it in twosided");
+  const Material front_material = read_bsdf(*nested.front(), context),
+                 back_material = read_bsdf(*nested.back(), context);
+  for (std::size_t i = 0; i < nested.size(); ++i)
+    if ((i == 0 ? front_material : back_material).side[front].traits().transmits && !allows_transmission)
+      throw Error(nested[i]->where(), "bsdf '" + nested[i]->get("type") + "' has two sides already",
                   "do not nest it in twosided");
-  const Material front_material = read_bsdf(*nested.front(), tree),
-                 back_material = read_bsdf(*nested.back(), tree);
   return two_sided(p.id_or(front_material.name), front_material.side[front], back_material.side[front]);
 }
 
-using Reader = Material (*)(Properties&, const MitsubaTree&);
+MaterialSide side_of(MaterialNode node) {
+  return MaterialSide(std::make_shared<const MaterialNode>(std::move(node)));
+}
+
+/// Both sides of two materials mixed by a texture.
+Material mixture(std::string name, const Texture& weight, const Material& first, const Material& second) {
+  const auto mixed = [&](Side side) {
+    return side_of({Mixture{weight, first.side[side].node(), second.side[side].node()}});
+  };
+  return two_sided(std::move(name), mixed(front), mixed(back));
+}
+
+Material read_mask(Properties& p, const Context& context) {
+  const Texture opacity = context.textures.property(p, "opacity", ColorUse::reflectance).value_or(C3f(0.5f));
+  const Material nothing = material_of("null", MaterialSide(Null{}));
+  return mixture(p.id_or("mask"), opacity, nothing, read_bsdf(only_bsdf(p), context));
+}
+
+Material read_blend(Properties& p, const Context& context) {
+  const std::vector<const XmlNode*> nested = p.objects("bsdf");
+  if (nested.size() != 2)
+    throw Error(p.where(), "bsdf 'blendbsdf' holds " + std::to_string(nested.size()) + " bsdfs", "give two");
+  const std::optional<Texture> weight = context.textures.property(p, "weight", ColorUse::reflectance);
+  if (!weight)
+    throw Error(p.where(), "bsdf 'blendbsdf' has no weight", "add <float name=\"weight\" value=\"0.5\"/>");
+  return mixture(p.id_or("blendbsdf"), *weight, read_bsdf(*nested[0], context), read_bsdf(*nested[1], context));
+}
+
+/// Version 0.x: any number of bsdfs with their weights; what they leave of 1 is black.
+Material read_mixture(Properties& p, const Context& context) {
+  const std::vector<const XmlNode*> nested = p.objects("bsdf");
+  const std::optional<std::string> text = p.text("weights");
+  if (!text)
+    throw Error(p.where(), "bsdf 'mixturebsdf' has no weights", "add <string name=\"weights\" value=\"...\"/>");
+  const XmlNode& weights_node = *p.element("weights", {"string"});
+  const std::vector<double> weights = parse_numbers_attribute(weights_node, "value");
+  double total = 0.0;
+  for (const double weight : weights) {
+    if (!(weight >= 0.0)) throw Error(weights_node.where(), "a negative weight", "correct it");
+    total += weight;
+  }
+  if (weights.size() != nested.size() || weights.empty() || !(total > 0.0))
+    throw Error(weights_node.where(),
+                std::to_string(weights.size()) + " weights for " + std::to_string(nested.size()) + " bsdfs",
+                "give one weight for each, not all zero");
+  // Mitsuba scales weights of more than 1 in all down.
+  Material result = one_sided("black", Diffuse{C3f(0.0f)});
+  double sum = std::max(0.0, 1.0 - total);
+  for (std::size_t i = 0; i < nested.size(); ++i) {
+    sum += weights[i];
+    const auto share = static_cast<float>(sum > 0.0 ? weights[i] / sum : 0.0);
+    result = mixture(p.id_or("mixturebsdf"), C3f(share), result, read_bsdf(*nested[i], context));
+  }
+  return result;
+}
+
+PerturbedNormal read_perturbed_normal(Properties& p) {
+  return {p.boolean("flip_invalid_normals", true), p.boolean("use_shadowing_function", true)};
+}
+
+Material read_bump_map(Properties& p, const Context& context) {
+  const XmlNode* texture = p.object_of("texture");
+  if (!texture) throw Error(p.where(), "bsdf 'bumpmap' holds no texture", "add the texture of its heights");
+  const Texture height = context.textures.of(*texture, ColorUse::emission);
+  const auto scale = static_cast<float>(p.number("scale").value_or(1.0));
+  const PerturbedNormal options = read_perturbed_normal(p);
+  const Material nested = read_bsdf(only_bsdf(p), context);
+  const auto bumped = [&](Side side) {
+    return side_of({BumpMap{height, scale, options, nested.side[side].node()}});
+  };
+  return two_sided(p.id_or("bumpmap"), bumped(front), bumped(back));
+}
+
+Material read_normal_map(Properties& p, const Context& context) {
+  const std::optional<Texture> normals = context.textures.property(p, "normalmap", ColorUse::emission);
+  if (!normals)
+    throw Error(p.where(), "bsdf 'normalmap' has no normalmap", "add a <texture name=\"normalmap\" ...>");
+  const PerturbedNormal options = read_perturbed_normal(p);
+  const Material nested = read_bsdf(only_bsdf(p), context);
+  const auto mapped = [&](Side side) {
+    return side_of({NormalMap{*normals, options, nested.side[side].node()}});
+  };
+  return two_sided(p.id_or("normalmap"), mapped(front), mapped(back));
+}
+
+using Reader = Material (*)(Properties&, const Context&);
 
 constexpr Named<Reader> readers[] = {
-    {"conductor", read_conductor},
-    {"dielectric", read_dielectric},
-    {"diffuse", read_diffuse},
+    {"blendbsdf", read_blend},
+    {"bumpmap", read_bump_map},
+    {"conductor", read_metal<Conductor>},
+    {"dielectric", read_glass<Dielectric>},
+    {"diffuse", read_plain<Diffuse>},
+    {"mask", read_mask},
+    {"mixturebsdf", read_mixture},
+    {"normalmap", read_normal_map},
+    {"null", read_plain<Null>},
+    {"phong", read_plain<Phong>},
+    {"plastic", read_plastic<Plastic>},
+    {"principled", read_principled<Principled>},
+    {"principledthin", read_principled<PrincipledThin>},
+    {"roughconductor", read_metal<RoughConductor>},
+    {"roughdielectric", read_glass<RoughDielectric>},
+    {"roughdiffuse", read_plain<RoughDiffuse>},
+    {"roughplastic", read_plastic<RoughPlastic>},
+    {"thindielectric", read_glass<ThinDielectric>},
     {"twosided", read_two_sided},
+    {"ward", read_plain<Ward>},
 };
 
-Material read_bsdf(const XmlNode& node, const MitsubaTree& tree) {
+Material read_bsdf(const XmlNode& node, const Context& context) {
   const Reader reader = plugin_of_type<Reader>(readers, node);
-  Properties properties(node, tree);
-  Material material = reader(properties, tree);
+  Properties properties(node, context.tree);
+  Material material = reader(properties, context);
   properties.finish();
   return material;
 }
@@ -103,7 +245,7 @@ std::uint32_t MitsubaMaterials::add(Material material) {
 
 std::uint32_t MitsubaMaterials::of(const XmlNode& bsdf) {
   if (const auto known = index_.find(&bsdf); known != index_.end()) return known->second;
-  return index_[&bsdf] = add(read_bsdf(bsdf, tree_));
+  return index_[&bsdf] = add(read_bsdf(bsdf, {tree_, textures_}));
 }
 
 std::uint32_t MitsubaMaterials::standard(bool emits) {

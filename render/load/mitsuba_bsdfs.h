@@ -4,7 +4,7 @@
 #include <map>
 
 #include "materials/material.h"
-#include "render/load/mitsuba_expand.h"
+#include "render/load/mitsuba_textures.h"
 
 namespace twopass {
 
@@ -12,8 +12,8 @@ namespace twopass {
 class MitsubaMaterials {
  public:
   /// REQUIRES: the arguments outlive this.
-  MitsubaMaterials(const MitsubaTree& tree, std::vector<Material>& materials)
-      : tree_(tree), materials_(materials) {}
+  MitsubaMaterials(const MitsubaTree& tree, std::vector<Material>& materials, MitsubaTextures& textures)
+      : tree_(tree), materials_(materials), textures_(textures) {}
 
   /// The index of a <bsdf>'s material. Throws Error with file:line for what is not supported.
   std::uint32_t of(const XmlNode& bsdf);
@@ -25,6 +25,7 @@ class MitsubaMaterials {
 
   const MitsubaTree& tree_;
   std::vector<Material>& materials_;
+  MitsubaTextures& textures_;
   std::map<const XmlNode*, std::uint32_t> index_;
   std::map<bool, std::uint32_t> standard_;
 };

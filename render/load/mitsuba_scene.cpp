@@ -14,7 +14,8 @@ namespace {
 /// Reads the children of <scene> into a LoadedScene, in the order of the file.
 class SceneReader {
  public:
-  explicit SceneReader(const MitsubaTree& tree) : tree_(tree), materials_(tree, loaded_.scene.materials) {}
+  explicit SceneReader(const MitsubaTree& tree)
+      : tree_(tree), textures_(tree, notes_), materials_(tree, loaded_.scene.materials, textures_) {}
 
   LoadedScene run() {
     // All settings and materials before the first shape: meshes take long to read, errors should not.
@@ -42,8 +43,9 @@ class SceneReader {
       read_emitter(node);
     else if (node.tag == "ref")
       throw Error(node.where(), "a <ref> outside of an object", "move it into the object that uses it");
-    else if (node.tag != "spectrum" && node.tag != "film" && node.tag != "sampler" && node.tag != "rfilter")
-      // Those four are read where something refers to them.
+    else if (node.tag != "spectrum" && node.tag != "film" && node.tag != "sampler" && node.tag != "rfilter" &&
+             node.tag != "texture")
+      // Those five are read where something refers to them.
       throw Error(node.where(), "<" + node.tag + "> is not supported",
                   "a scene holds: bsdf, emitter, integrator, sensor, shape");
   }
@@ -79,15 +81,16 @@ class SceneReader {
 
   void read_shape(const XmlNode& node) {
     const std::string name = node.get("type") + "-" + std::to_string(++shape_count_);
-    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, notes_);
+    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
     const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
     if (!mesh || !mesh->triangles.empty()) loaded_.scene.shapes.push_back(std::move(shape));
   }
 
   const MitsubaTree& tree_;
   LoadedScene loaded_;
-  MitsubaMaterials materials_;
   Notes notes_;
+  MitsubaTextures textures_;
+  MitsubaMaterials materials_;
   ClipPlanes clip_;
   const XmlNode* integrator_ = nullptr;
   const XmlNode* sky_ = nullptr;

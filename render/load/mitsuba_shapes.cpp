@@ -72,7 +72,10 @@ Geometry read_sphere(Properties& p, const MitsubaTree&, Notes&) {
         std::abs(world_center.z) <= largest_coordinate && world_radius <= largest_coordinate) ||
       !(static_cast<float>(world_radius) > 0.0f))
     throw Error(p.where("to_world"), "the sphere is too large, too small or too far away", "use other units");
-  return Sphere{V3f(world_center), static_cast<float>(world_radius), p.boolean("flip_normals", false)};
+  return Sphere{V3f(world_center),
+                static_cast<float>(world_radius),
+                p.boolean("flip_normals", false),
+                {V3f(r0 / scale), V3f(r1 / scale), V3f(r2 / scale)}};
 }
 
 Geometry read_obj_shape(Properties& p, const MitsubaTree& tree, Notes& notes) {
@@ -112,20 +115,21 @@ constexpr Named<Reader> readers[] = {
     {"sphere", read_sphere},
 };
 
-C3f read_area_emitter(const XmlNode& node, const MitsubaTree& tree) {
+void read_area_emitter(Shape& shape, const XmlNode& node, const MitsubaTree& tree, MitsubaTextures& textures) {
   constexpr Named<int> supported[] = {{"area", 0}};
   plugin_of_type<int>(supported, node);
   Properties p(node, tree);
-  const C3f radiance = p.color("radiance", ColorUse::emission).value_or(C3f(1.0f));
+  const Texture radiance = textures.property(p, "radiance", ColorUse::emission).value_or(C3f(1.0f));
+  shape.radiance[front] = mean_color(radiance);
+  if (!is_constant(radiance)) shape.radiance_texture = std::make_shared<const Texture>(radiance);
   p.ignore({"sampling_weight"});
   p.finish();
-  return radiance;
 }
 
 }  // namespace
 
 Shape read_mitsuba_shape(const XmlNode& node, const MitsubaTree& tree, const std::string& name,
-                         MitsubaMaterials& materials, Notes& notes) {
+                         MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes) {
   const Reader reader = plugin_of_type<Reader>(readers, node);
   Properties properties(node, tree);
   const XmlNode* emitter = properties.object_of("emitter");
@@ -134,7 +138,7 @@ Shape read_mitsuba_shape(const XmlNode& node, const MitsubaTree& tree, const std
   Shape shape;
   shape.name = properties.id_or(name);
   shape.material = bsdf ? materials.of(*bsdf) : materials.standard(emitter != nullptr);
-  if (emitter) shape.radiance[front] = read_area_emitter(*emitter, tree);
+  if (emitter) read_area_emitter(shape, *emitter, tree, textures);
   properties.ignore({"silhouette_sampling_weight"});
   shape.geometry = reader(properties, tree, notes);
   properties.finish();

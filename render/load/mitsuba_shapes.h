@@ -11,6 +11,6 @@ namespace twopass {
 /// `name`; a mesh none of whose triangles has an area comes back without triangles. Throws Error with file:line
 /// for what is not supported.
 Shape read_mitsuba_shape(const XmlNode& node, const MitsubaTree& tree, const std::string& name,
-                         MitsubaMaterials& materials, Notes& notes);
+                         MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes);
 
 }  // namespace twopass

@@ -32,6 +32,13 @@ struct SurfacePoint {
   float u, v;    ///< barycentric coordinates as in Hit
   std::uint32_t shape, primitive;
   Side side;  ///< the side that the viewer sees
+  /// Texture coordinates and the position's derivatives by them; only where the material or its light needs
+  /// them.
+  V2f uv;
+  V3f dp_du, dp_dv;
+  /// Of (M30), with the shading normal before it was perturbed; 0 where it was not.
+  float terminator = 0.0f;
+  V3f unperturbed_normal;
 };
 
 /// Start of a ray that leaves the surface towards `direction` (Waechter and Binder, Ray Tracing Gems ch. 6: the

@@ -38,14 +38,28 @@ class Scene {
 
   /// What the ray hit. REQUIRES: !hit.escaped(). Inline, below: every vertex of every path calls it.
   [[nodiscard]] SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
-  /// The scattering model on the side that the viewer sees.
-  [[nodiscard]] const Bsdf& bsdf(const SurfacePoint& point) const {
+  /// The material on the side that the viewer sees.
+  [[nodiscard]] const MaterialSide& side(const SurfacePoint& point) const {
     return description_.materials[description_.shapes[point.shape].material].side[point.side];
   }
-  /// Radiance that the point emits towards the viewer, W/(m2 sr).
-  [[nodiscard]] const C3f& emitted_radiance(const SurfacePoint& point) const {
-    return description_.shapes[point.shape].radiance[point.side];
+  /// The scattering model at the point: the side's own where it is uniform, else resolved into `storage`, for
+  /// which the point's shading frame may be turned. `direction`: of the ray that arrived. `choose()` in [0, 1)
+  /// is called only by mixtures.
+  template <class Choose>
+  const Bsdf& resolve(SurfacePoint& point, const V3f& direction, Bsdf& storage, Choose&& choose) const {
+    const MaterialSide& material = side(point);
+    if (material.is_uniform()) return material.uniform();
+    storage = resolve_at(material, point, direction, material.traits().needs_choice ? choose() : 0.0f);
+    return storage;
   }
+  /// Radiance that the point emits towards the viewer, W/(m2 sr).
+  [[nodiscard]] C3f emitted_radiance(const SurfacePoint& point) const {
+    const Shape& shape = description_.shapes[point.shape];
+    if (shape.radiance_texture && point.side == front) return color_at(*shape.radiance_texture, point.uv);
+    return shape.radiance[point.side];
+  }
+  /// Whether light passes straight through some surfaces: shadow rays must look at what they meet.
+  [[nodiscard]] bool has_see_through() const { return has_see_through_; }
 
  private:
   // What every vertex on a triangle needs and would else be computed again each time: 16 bytes a triangle.
@@ -54,12 +68,16 @@ class Scene {
     float offset;  // SurfacePoint::offset
   };
   [[nodiscard]] static std::vector<std::vector<Face>> faces_of(std::span<const Shape> shapes);
+  static Bsdf resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u);
+  // Texture coordinates, tangents and a frame along them. `normal` is that of the front.
+  void add_parametrization(SurfacePoint& point, const Shape& shape, const V3f& normal) const;
 
   SceneDescription description_;
   std::vector<std::vector<Face>> faces_;  // by shape and triangle
   Box3f bounds_;
   RayCaster caster_;
   Lights lights_;
+  bool has_see_through_;
 };
 
 inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
@@ -101,6 +119,7 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
   // A viewer below the shading horizon would see a black rim: there the geometric normal shades.
   if (shading_normal.dot(ray.direction) >= 0.0f) shading_normal = point.geometric_normal;
   point.shading = Frame(shading_normal);
+  if (side(point).traits().needs_uv || shape.radiance_texture) add_parametrization(point, shape, normal);
   return point;
 }
 

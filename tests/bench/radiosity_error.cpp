@@ -66,7 +66,7 @@ Probe look_around(const Scene& scene, const SurfacePoint& point, std::uint32_t k
       continue;
     }
     const SurfacePoint end = scene.surface_point(ray, hit);
-    if (!is_specular(scene.bsdf(end))) {
+    if (!scene.side(end).scatters_without_diffusing()) {
       probe.ray.push_back({end, C3f(1.0f)});
       continue;
     }
@@ -97,7 +97,7 @@ std::vector<Probe> place_probes(const Scene& scene, const ElementMesh& mesh) {
 C3d gathered(const Scene& scene, const Probe& probe, const Solution& solution) {
   C3d sum(0.0);
   for (const GatherRay& ray : probe.ray)
-    sum += C3d(ray.weight * diffuse_reflectance(scene.bsdf(ray.end)) * solution.irradiance(ray.end).total());
+    sum += C3d(ray.weight * scene.side(ray.end).traits().mean_diffuse_reflectance * solution.irradiance(ray.end).total());
   return sum / static_cast<double>(gather_rays);
 }
 

@@ -43,7 +43,7 @@ TEST_F(LoadObjScene, MissingMaterialsAreGreyWithNotes) {
   EXPECT_TRUE(has_note(loaded, "scene.obj: material 'red' is not defined: grey (0.5)"));
   EXPECT_TRUE(has_note(loaded, "faces without usemtl are grey"));
   for (const Material& material : loaded.scene.materials)
-    expect_near(std::get<Diffuse>(material.side[front]).reflectance, V3f(0.5f));
+    expect_near(std::get<Diffuse>(material.side[front].uniform()).reflectance, V3f(0.5f));
 }
 
 TEST_F(LoadObjScene, LibrariesWithSpacesSeveralAndBackslashes) {
@@ -53,7 +53,7 @@ TEST_F(LoadObjScene, LibrariesWithSpacesSeveralAndBackslashes) {
   const LoadedScene loaded = load_obj("mtllib my lib.mtl\nmtllib sub\\b.mtl c.mtl\n" + std::string(square) +
                                       "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n");
   EXPECT_TRUE(loaded.notes.empty()) << loaded.notes[0];
-  expect_near(std::get<Diffuse>(loaded.scene.materials[2].side[front]).reflectance, {0, 0, 1});
+  expect_near(std::get<Diffuse>(loaded.scene.materials[2].side[front].uniform()).reflectance, {0, 0, 1});
 }
 
 TEST_F(LoadObjScene, LooksBesideTheFileForWhatIsMissing) {
@@ -63,7 +63,7 @@ TEST_F(LoadObjScene, LooksBesideTheFileForWhatIsMissing) {
       load_obj("mtllib other.mtl\n" + std::string(square) + "usemtl a\nf 1 2 3\nusemtl lamp\nf 1 3 4\n");
   EXPECT_TRUE(has_note(loaded, "are taken from"));
   EXPECT_TRUE(is_emitter(loaded.scene.shapes[1]));
-  expect_near(std::get<Diffuse>(loaded.scene.materials[0].side[front]).reflectance, {1, 0, 0});
+  expect_near(std::get<Diffuse>(loaded.scene.materials[0].side[front].uniform()).reflectance, {1, 0, 0});
 }
 
 TEST_F(LoadObjScene, DropsTrianglesWithoutAreaWithANote) {

@@ -18,25 +18,25 @@ TEST_F(MitsubaBsdfs, DiffuseIsOneSided) {
   const Material material =
       read("<bsdf type='diffuse' id='red'><rgb name='reflectance' value='0.6 0.1 0.1'/></bsdf>");
   EXPECT_EQ(material.name, "red");
-  EXPECT_EQ(std::get<Diffuse>(material.side[front]).reflectance, C3f(0.6f, 0.1f, 0.1f));
-  EXPECT_EQ(std::get<Diffuse>(material.side[back]).reflectance, C3f(0.0f));
-  EXPECT_EQ(std::get<Diffuse>(read("<bsdf type='diffuse'/>").side[front]).reflectance, C3f(0.5f));
+  EXPECT_EQ(std::get<Diffuse>(material.side[front].uniform()).reflectance, C3f(0.6f, 0.1f, 0.1f));
+  EXPECT_EQ(std::get<Diffuse>(material.side[back].uniform()).reflectance, C3f(0.0f));
+  EXPECT_EQ(std::get<Diffuse>(read("<bsdf type='diffuse'/>").side[front].uniform()).reflectance, C3f(0.5f));
 }
 
 TEST_F(MitsubaBsdfs, DiffuseOfOldVersions) {
   const Material material =
       read("<bsdf type='diffuse'><srgb name='diffuseReflectance' value='#ffffff'/></bsdf>", "0.5.0");
-  expect_near(std::get<Diffuse>(material.side[front]).reflectance, V3f(1.0f));
+  expect_near(std::get<Diffuse>(material.side[front].uniform()).reflectance, V3f(1.0f));
 }
 
 TEST_F(MitsubaBsdfs, TwoSidedTakesOneOrTwo) {
   const std::string red = "<bsdf type='diffuse'><rgb name='reflectance' value='1 0 0'/></bsdf>";
   const Material both = read("<bsdf type='twosided'>" + red + "</bsdf>");
-  EXPECT_EQ(std::get<Diffuse>(both.side[back]).reflectance, C3f(1, 0, 0));
+  EXPECT_EQ(std::get<Diffuse>(both.side[back].uniform()).reflectance, C3f(1, 0, 0));
   const Material two = read("<bsdf type='twosided' id='t'>" + red + "<bsdf type='conductor'/></bsdf>");
   EXPECT_EQ(two.name, "t");
-  EXPECT_EQ(std::get<Diffuse>(two.side[front]).reflectance, C3f(1, 0, 0));
-  EXPECT_TRUE(std::holds_alternative<Conductor>(two.side[back]));
+  EXPECT_EQ(std::get<Diffuse>(two.side[front].uniform()).reflectance, C3f(1, 0, 0));
+  EXPECT_TRUE(std::holds_alternative<Conductor>(two.side[back].uniform()));
   expect_error([&] { read("<bsdf type='twosided'/>"); }, {"scene.xml:2: bsdf 'twosided' holds 0 bsdfs"});
   expect_error([&] { read("<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>"); },
                {"bsdf 'dielectric' has two sides already"});
@@ -48,11 +48,11 @@ TEST_F(MitsubaBsdfs, ConductorDefaultsToAMirror) {
   for (const char* body :
        {"<bsdf type='conductor'/>", "<bsdf type='conductor'><string name='material' value='none'/></bsdf>"}) {
     const Material material = read(body);
-    const auto& metal = std::get<Conductor>(material.side[front]);
+    const auto& metal = std::get<Conductor>(material.side[front].uniform());
     EXPECT_EQ(metal.eta, C3f(0.0f));
     EXPECT_EQ(metal.k, C3f(1.0f));
     EXPECT_EQ(metal.specular_reflectance, C3f(1.0f));
-    EXPECT_TRUE(std::holds_alternative<Diffuse>(material.side[back]));
+    EXPECT_TRUE(std::holds_alternative<Diffuse>(material.side[back].uniform()));
   }
 }
 
@@ -60,12 +60,12 @@ TEST_F(MitsubaBsdfs, ConductorByIndex) {
   const std::string index = "<rgb name='eta' value='0.2 0.9 1.1'/><rgb name='k' value='3.9 2.4 2.1'/>";
   const auto metal = std::get<Conductor>(
       read("<bsdf type='conductor'>" + index + "<rgb name='specular_reflectance' value='0.9'/></bsdf>")
-          .side[front]);
+          .side[front].uniform());
   EXPECT_EQ(metal.eta, C3f(0.2f, 0.9f, 1.1f));
   EXPECT_EQ(metal.k, C3f(3.9f, 2.4f, 2.1f));
   EXPECT_EQ(metal.specular_reflectance, C3f(0.9f));
   const auto in_water = std::get<Conductor>(
-      read("<bsdf type='conductor'>" + index + "<float name='extEta' value='2'/></bsdf>", "0.6.0").side[front]);
+      read("<bsdf type='conductor'>" + index + "<float name='extEta' value='2'/></bsdf>", "0.6.0").side[front].uniform());
   expect_near(in_water.k, {1.95f, 1.2f, 1.05f});
 }
 
@@ -87,8 +87,8 @@ TEST_F(MitsubaBsdfs, ConductorPresetsAreRefused) {
 TEST_F(MitsubaBsdfs, DielectricByNumberAndName) {
   const auto eta = [&](const std::string& properties, const std::string& version = "3.0.0") {
     const Material material = read("<bsdf type='dielectric'>" + properties + "</bsdf>", version);
-    const float outside = std::get<Dielectric>(material.side[front]).eta;
-    EXPECT_FLOAT_EQ(std::get<Dielectric>(material.side[back]).eta, 1.0f / outside);
+    const float outside = std::get<Dielectric>(material.side[front].uniform()).eta;
+    EXPECT_FLOAT_EQ(std::get<Dielectric>(material.side[back].uniform()).eta, 1.0f / outside);
     return outside;
   };
   EXPECT_FLOAT_EQ(eta(""), 1.5046f / 1.000277f);
@@ -106,8 +106,8 @@ TEST_F(MitsubaBsdfs, DielectricColours) {
       "<bsdf type='dielectric'><rgb name='specular_reflectance' value='0.9'/>"
       "<rgb name='specular_transmittance' value='0.8 1 1'/></bsdf>");
   for (const Side side : {front, back}) {
-    EXPECT_EQ(std::get<Dielectric>(material.side[side]).specular_reflectance, C3f(0.9f));
-    EXPECT_EQ(std::get<Dielectric>(material.side[side]).specular_transmittance, C3f(0.8f, 1, 1));
+    EXPECT_EQ(std::get<Dielectric>(material.side[side].uniform()).specular_reflectance, C3f(0.9f));
+    EXPECT_EQ(std::get<Dielectric>(material.side[side].uniform()).specular_transmittance, C3f(0.8f, 1, 1));
   }
 }
 
@@ -130,7 +130,7 @@ TEST_F(MitsubaBsdfs, SharedMaterialsAreReadOnce) {
   EXPECT_EQ(loaded.scene.shapes[0].material, loaded.scene.shapes[1].material);
   EXPECT_EQ(loaded.scene.shapes[2].material, loaded.scene.shapes[3].material);
   const auto reflectance = [&](std::size_t shape) {
-    return std::get<Diffuse>(loaded.scene.materials[loaded.scene.shapes[shape].material].side[front])
+    return std::get<Diffuse>(loaded.scene.materials[loaded.scene.shapes[shape].material].side[front].uniform())
         .reflectance;
   };
   EXPECT_EQ(reflectance(2), C3f(0.5f));

@@ -21,7 +21,7 @@ Parsed parse(const std::string& body) {
 
 template <class Model>
 const Model& side(const Parsed& parsed, Side which) {
-  return std::get<Model>(parsed.material.material.side[which]);
+  return std::get<Model>(parsed.material.material.side[which].uniform());
 }
 
 TEST(MtlMaterial, DiffuseOnBothSides) {

@@ -81,9 +81,9 @@ TEST(SharedScenes, OurSpecularCornellBox) {
   const LoadedScene loaded = load_scene(scenes / "cornell-box-specular" / "scene.xml", {});
   EXPECT_TRUE(loaded.notes.empty());
   const Shape& glass = shape_called(loaded, "glass_sphere");
-  EXPECT_TRUE(std::holds_alternative<Dielectric>(loaded.scene.materials[glass.material].side[front]));
+  EXPECT_TRUE(std::holds_alternative<Dielectric>(loaded.scene.materials[glass.material].side[front].uniform()));
   const Shape& mirror = shape_called(loaded, "tall_block");
-  EXPECT_TRUE(std::holds_alternative<Conductor>(loaded.scene.materials[mirror.material].side[front]));
+  EXPECT_TRUE(std::holds_alternative<Conductor>(loaded.scene.materials[mirror.material].side[front].uniform()));
 }
 
 TEST(SharedScenes, OurThreeRooms) {

@@ -16,14 +16,14 @@ TEST(Scene, SidesAndNormalsFaceTheViewer) {
   EXPECT_EQ(inside.side, front);
   EXPECT_NEAR((inside.geometric_normal - V3f(0, 0, -1)).length(), 0.0f, 1e-6f);
   EXPECT_EQ(scene.emitted_radiance(inside), C3f(2.0f));
-  EXPECT_EQ(diffuse_reflectance(scene.bsdf(inside)), C3f(0.1f));
+  EXPECT_EQ(scene.side(inside).traits().mean_diffuse_reflectance, C3f(0.1f));
 
   const Ray down{V3f(0.3f, 0.4f, 5.0f), V3f(0, 0, -1)};
   const SurfacePoint outside = scene.surface_point(down, scene.caster().intersect(down));
   EXPECT_EQ(outside.side, back);
   EXPECT_NEAR((outside.geometric_normal - V3f(0, 0, 1)).length(), 0.0f, 1e-6f);
   EXPECT_TRUE(is_black(scene.emitted_radiance(outside)));
-  EXPECT_TRUE(is_black(diffuse_reflectance(scene.bsdf(outside))));
+  EXPECT_TRUE(is_black(scene.side(outside).traits().mean_diffuse_reflectance));
 }
 
 TEST(Scene, PositionsLieOnTheSurfaceToRounding) {

@@ -1,0 +1,259 @@
+#include "materials/material.h"
+
+namespace twopass {
+
+namespace {
+
+void assign(C3f& parameter, const Texture& texture, const V2f& uv) { parameter = color_at(texture, uv); }
+void assign(float& parameter, const Texture& texture, const V2f& uv) { parameter = number_at(texture, uv); }
+template <class Setting>
+void assign(Setting&, const Texture&, const V2f&) {}  // settings do not vary: loaders bind no texture to them
+
+template <class Model>
+void bind(Model& model, const std::vector<TextureBinding>& textures, const V2f& uv) {
+  std::size_t number = 0;
+  Model::visit_parameters(model, [&](std::string_view, auto& parameter) {
+    for (const TextureBinding& binding : textures)
+      if (binding.parameter == number) assign(parameter, binding.texture, uv);
+    ++number;
+  });
+  if constexpr (requires { model.prepare(); }) model.prepare();
+}
+
+Bsdf bound(const TexturedModel& node, const V2f& uv) {
+  Bsdf bsdf = node.bsdf;
+  std::visit([&](auto& model) { bind(model, node.textures, uv); }, bsdf);
+  return bsdf;
+}
+
+float weight_at(const Mixture& mixture, const V2f& uv) {
+  return std::clamp(number_at(mixture.weight, uv), 0.0f, 1.0f);
+}
+
+// Turns the frame to the normal `n`, given in the frame's own coordinates with +z on the viewer's side (M29).
+void turn(ShadingGeometry& at, V3f n, const PerturbedNormal& options) {
+  const V3f wo = at.frame.to_local(at.wo);
+  if (options.flip_invalid && n.dot(wo) <= 0.0f) n = V3f(-n.x, -n.y, n.z);
+  n = unit(n);
+  if (!is_finite(n) || !(n.z > 0.0f) || !(n.dot(wo) > 0.0f)) return;  // no such surface: it stays as it was
+  V3f s = V3f(1.0f, 0.0f, 0.0f) - n * n.x;
+  s = s.dot(s) > 0.0f ? unit(s) : V3f(0.0f, 1.0f, 0.0f);
+  const float tan2 = (1.0f - n.z * n.z) / (n.z * n.z);
+  at.terminator = options.soft_terminator ? std::min(0.125f * tan2, 1.0f) : 0.0f;
+  const Frame base = at.frame;
+  at.frame.n = base.to_world(n);
+  at.frame.s = base.to_world(s);
+  at.frame.t = at.frame.n.cross(at.frame.s);
+}
+
+void perturb(const BumpMap& bump, ShadingGeometry& at) {
+  const V2f slope = gradient_at(bump.height, at.uv) * bump.scale;
+  if (slope.x == 0.0f && slope.y == 0.0f) return;
+  // Heights are measured along the normal of the front.
+  const V3f normal = at.is_back ? -at.frame.n : at.frame.n;
+  const V3f du = at.dp_du + normal * (slope.x - normal.dot(at.dp_du));
+  const V3f dv = at.dp_dv + normal * (slope.y - normal.dot(at.dp_dv));
+  V3f n = du.cross(dv);
+  if (n.dot(at.frame.n) < 0.0f) n = -n;
+  turn(at, at.frame.to_local(n), bump.options);
+}
+
+void perturb(const NormalMap& map, ShadingGeometry& at) {
+  const C3f color = color_at(map.normal, at.uv);
+  V3f n(2.0f * color.x - 1.0f, 2.0f * color.y - 1.0f, 2.0f * color.z - 1.0f);
+  // The map is drawn in the frame of the front, which has the viewer below it on the back: z as it is, x and y
+  // turned.
+  if (at.is_back) n = V3f(-n.x, n.y, n.z);
+  turn(at, n, map.options);
+}
+
+// A model that has something to say of its back transmits light to it.
+bool transmits(const Bsdf& bsdf) {
+  return std::visit(
+      [](const auto& model) {
+        return requires { model.from_behind(); };
+      },
+      bsdf);
+}
+
+bool is_see_through(const Bsdf& bsdf) { return std::holds_alternative<Null>(bsdf); }
+
+bool is_black_diffuse(const Bsdf& bsdf) {
+  const auto* diffuse = std::get_if<Diffuse>(&bsdf);
+  return diffuse && is_black(diffuse->reflectance);
+}
+
+// Models with a direction of their own in the tangent plane.
+bool has_direction(const Bsdf& bsdf) {
+  bool found = false;
+  std::visit(
+      [&]<class Model>(const Model& model) {
+        Model::visit_parameters(model, [&](std::string_view name, const auto&) {
+          found = found || name == "alpha_u" || name == "anisotropic";
+        });
+      },
+      bsdf);
+  return found;
+}
+
+SideTraits traits_of(const Bsdf& bsdf) {
+  return {.mean_diffuse_reflectance = diffuse_reflectance(bsdf),
+          .may_be_specular = is_specular(bsdf),
+          .is_specular = is_specular(bsdf),
+          .may_be_smooth = !is_specular(bsdf) && !is_black_diffuse(bsdf),
+          .is_see_through = is_see_through(bsdf),
+          .transmits = transmits(bsdf),
+          .needs_uv = has_direction(bsdf)};
+}
+
+SideTraits traits_of(const TexturedModel& node) {
+  // Reflectances are linear in most textures, so that the model of the means has the mean of the models.
+  Bsdf mean = node.bsdf;
+  std::visit(
+      [&](auto& model) {
+        std::vector<TextureBinding> means = node.textures;
+        for (TextureBinding& binding : means) binding.texture = mean_color(binding.texture);
+        bind(model, means, V2f(0.0f, 0.0f));
+      },
+      mean);
+  SideTraits traits = traits_of(mean);
+  traits.needs_uv = true;
+  return traits;
+}
+
+SideTraits traits_of(const MaterialNode& node);
+
+SideTraits traits_of(const Mixture& node) {
+  const SideTraits a = traits_of(*node.first), b = traits_of(*node.second);
+  const float weight = std::clamp(mean_color(node.weight).y, 0.0f, 1.0f);
+  return {.mean_diffuse_reflectance =
+              a.mean_diffuse_reflectance * (1.0f - weight) + b.mean_diffuse_reflectance * weight,
+          .may_be_specular = a.may_be_specular || b.may_be_specular,
+          .is_specular = a.is_specular && b.is_specular,
+          .may_be_smooth = a.may_be_smooth || b.may_be_smooth,
+          .is_see_through = a.is_see_through || b.is_see_through,
+          .transmits = a.transmits || b.transmits,
+          .needs_uv = a.needs_uv || b.needs_uv || !is_constant(node.weight),
+          .needs_choice = true};
+}
+
+SideTraits traits_of(const BumpMap& node) {
+  SideTraits traits = traits_of(*node.nested);
+  traits.needs_uv = true;
+  return traits;
+}
+SideTraits traits_of(const NormalMap& node) {
+  SideTraits traits = traits_of(*node.nested);
+  traits.needs_uv = true;
+  return traits;
+}
+
+SideTraits traits_of(const MaterialNode& node) {
+  return std::visit([](const auto& kind) { return traits_of(kind); }, node.kind);
+}
+
+Bsdf resolve_node(const MaterialNode& node, ShadingGeometry& at, float u) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) return bound(*model, at.uv);
+  if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
+    const float weight = weight_at(*mixture, at.uv);
+    // What is left of u chooses among mixtures further down.
+    if (u < weight) return resolve_node(*mixture->second, at, u / weight);
+    return resolve_node(*mixture->first, at, std::min((u - weight) / (1.0f - weight), 0x1.fffffep-1f));
+  }
+  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) {
+    perturb(*bump, at);
+    return resolve_node(*bump->nested, at, u);
+  }
+  const auto& map = std::get<NormalMap>(node.kind);
+  perturb(map, at);
+  return resolve_node(*map.nested, at, u);
+}
+
+float transparency_of(const MaterialNode& node, const V2f& uv) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind))
+    return is_see_through(model->bsdf) ? 1.0f : 0.0f;
+  if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
+    const float weight = weight_at(*mixture, uv);
+    return transparency_of(*mixture->first, uv) * (1.0f - weight) +
+           transparency_of(*mixture->second, uv) * weight;
+  }
+  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) return transparency_of(*bump->nested, uv);
+  return transparency_of(*std::get<NormalMap>(node.kind).nested, uv);
+}
+
+C3f diffuse_reflectance_of(const MaterialNode& node, const V2f& uv) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) return diffuse_reflectance(bound(*model, uv));
+  if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
+    const float weight = weight_at(*mixture, uv);
+    return diffuse_reflectance_of(*mixture->first, uv) * (1.0f - weight) +
+           diffuse_reflectance_of(*mixture->second, uv) * weight;
+  }
+  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) return diffuse_reflectance_of(*bump->nested, uv);
+  return diffuse_reflectance_of(*std::get<NormalMap>(node.kind).nested, uv);
+}
+
+MaterialNodePtr behind(const MaterialNodePtr& node) {
+  MaterialNode result = *node;
+  if (auto* model = std::get_if<TexturedModel>(&result.kind)) {
+    model->bsdf = seen_from_behind(model->bsdf);
+    if (model->bsdf.index() != std::get<TexturedModel>(node->kind).bsdf.index()) model->textures.clear();
+  } else if (auto* mixture = std::get_if<Mixture>(&result.kind)) {
+    mixture->first = behind(mixture->first);
+    mixture->second = behind(mixture->second);
+  } else if (auto* bump = std::get_if<BumpMap>(&result.kind)) {
+    bump->nested = behind(bump->nested);
+  } else {
+    auto& map = std::get<NormalMap>(result.kind);
+    map.nested = behind(map.nested);
+  }
+  return std::make_shared<const MaterialNode>(std::move(result));
+}
+
+}  // namespace
+
+MaterialSide::MaterialSide(const Bsdf& bsdf) : bsdf_(bsdf), traits_(traits_of(bsdf)) {}
+
+MaterialSide::MaterialSide(MaterialNodePtr node) {
+  const auto* model = std::get_if<TexturedModel>(&node->kind);
+  if (model && model->textures.empty()) {
+    *this = MaterialSide(model->bsdf);
+    return;
+  }
+  node_ = std::move(node);
+  traits_ = traits_of(*node_);
+}
+
+MaterialNodePtr MaterialSide::node() const {
+  if (node_) return node_;
+  return std::make_shared<const MaterialNode>(MaterialNode{TexturedModel{bsdf_, {}}});
+}
+
+Bsdf MaterialSide::resolve(ShadingGeometry& at, float u) const { return resolve_node(*node_, at, u); }
+
+float MaterialSide::transparency(const V2f& uv) const {
+  if (!traits_.is_see_through) return 0.0f;
+  return node_ ? transparency_of(*node_, uv) : 1.0f;
+}
+
+C3f MaterialSide::diffuse_reflectance(const V2f& uv) const {
+  return node_ ? diffuse_reflectance_of(*node_, uv) : traits_.mean_diffuse_reflectance;
+}
+
+Bsdf seen_from_behind(const Bsdf& bsdf) {
+  return std::visit(
+      [](const auto& model) -> Bsdf {
+        if constexpr (requires { model.from_behind(); })
+          return model.from_behind();
+        else
+          return Diffuse{C3f(0.0f)};
+      },
+      bsdf);
+}
+
+Material material_of(std::string name, const MaterialSide& front_side) {
+  if (front_side.is_uniform())
+    return {std::move(name), {front_side, MaterialSide(seen_from_behind(front_side.uniform()))}};
+  return {std::move(name), {front_side, MaterialSide(behind(front_side.node()))}};
+}
+
+}  // namespace twopass
