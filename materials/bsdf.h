@@ -9,6 +9,8 @@
 #include "materials/conductor.h"
 #include "materials/dielectric.h"
 #include "materials/diffuse.h"
+#include "materials/principled.h"
+#include "materials/principled_thin.h"
 
 namespace twopass {
 
@@ -25,9 +27,10 @@ concept ScatteringModel = requires(const Model& model, V3f w, V2f u) {
   Model::visit_parameters(model, [](std::string_view, const auto&) {});  // (name, member) of each parameter
 };
 
-using Bsdf = std::variant<Diffuse, Conductor, Dielectric>;
+using Bsdf = std::variant<Diffuse, Conductor, Dielectric, Principled, PrincipledThin>;
 
 static_assert(ScatteringModel<Diffuse> && ScatteringModel<Conductor> && ScatteringModel<Dielectric>);
+static_assert(ScatteringModel<Principled> && ScatteringModel<PrincipledThin>);
 
 inline C3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return std::visit([&](const auto& model) { return model.eval(wo, wi); }, bsdf);
