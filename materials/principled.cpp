@@ -130,12 +130,14 @@ float Principled::pdf_w(const V3f& wo, const V3f& wi) const {
   if (sum == 0.0f || wi.z == 0.0f) return 0.0f;
   const GgxFacets facets = GgxFacets::from_roughness(roughness, anisotropic);
   if (wi.z > 0.0f) {
-    const V3f h = unit(wo + wi);
+    const V3f both = wo + wi, h = unit(both);
     float pdf = weights.diffuse * cosine_hemisphere_pdf_w(wi.z) +
                 weights.reflection * facets.distribution(h) * facets.visible(wo, h) / (4.0f * wo.z);
+    // The half vector's cosine is half the length of the sum, which keeps its digits where both directions
+    // graze.
     if (weights.clearcoat > 0.0f)
       pdf += weights.clearcoat * Gtr1Facets::from_gloss(clearcoat_gloss).distribution(h) * h.z /
-             (4.0f * wo.dot(h));
+             (2.0f * both.length());
     return pdf / sum;
   }
   if (weights.refraction == 0.0f) return 0.0f;

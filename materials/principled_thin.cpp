@@ -95,16 +95,18 @@ std::optional<BsdfSample> PrincipledThin::sample(const V3f& wo, const V2f& u) co
   const float sum = weights.sum();
   if (!(sum > 0.0f)) return std::nullopt;
   LobeChoice choice(u.x, sum);
-  const auto off_facet = [&](const GgxFacets& facets) {
-    const V3f h = facets.sample(wo, V2f(choice.u(), u.y));
+  const auto off_facet = [&](const GgxFacets& facets, V3f& h) {
+    h = facets.sample(wo, V2f(choice.u(), u.y));
     return unit(h * (2.0f * wo.dot(h)) - wo);
   };
+  V3f h(0.0f);
   V3f wi;
   bool through = false;
   if (choice.is(weights.mirror)) {
-    wi = off_facet(GgxFacets::from_roughness(roughness, anisotropic));
+    wi = off_facet(GgxFacets::from_roughness(roughness, anisotropic), h);
   } else if (choice.is(weights.passed)) {
-    wi = mirrored(off_facet(facets_passed(roughness, anisotropic, eta)));
+    wi = mirrored(off_facet(facets_passed(roughness, anisotropic, eta), h));
+    if (wi.dot(h) >= 0.0f) return std::nullopt;  // as in pdf_w()
     through = true;
   } else if (choice.is(weights.diffuse)) {
     wi = square_to_cosine_hemisphere(V2f(choice.u(), u.y));
