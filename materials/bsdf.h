@@ -10,6 +10,8 @@
 #include "materials/dielectric.h"
 #include "materials/diffuse.h"
 #include "materials/null_model.h"
+#include "materials/principled.h"
+#include "materials/principled_thin.h"
 
 namespace twopass {
 
@@ -26,14 +28,18 @@ concept ScatteringModel = requires(const Model& model, V3f w, V2f u) {
   Model::visit_parameters(model, [](std::string_view, const auto&) {});  // (name, member) of each parameter
 };
 
-using Bsdf = std::variant<Diffuse, Conductor, Dielectric, Null>;
+using Bsdf = std::variant<Diffuse, Conductor, Dielectric, Null, Principled, PrincipledThin>;
 
 /// What the models are called, in the variant's order.
-inline constexpr std::string_view model_names[] = {"diffuse", "conductor", "dielectric", "null"};
+inline constexpr std::string_view model_names[] = {"diffuse", "conductor",  "dielectric",
+                                                   "null",    "principled", "principledthin"};
 static_assert(std::size(model_names) == std::variant_size_v<Bsdf>);
 
-static_assert(ScatteringModel<Diffuse> && ScatteringModel<Conductor> && ScatteringModel<Dielectric> &&
-              ScatteringModel<Null>);
+template <class... Models>
+constexpr bool all_are_models(const std::variant<Models...>*) {
+  return (ScatteringModel<Models> && ...);
+}
+static_assert(all_are_models(static_cast<const Bsdf*>(nullptr)));
 
 inline C3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return std::visit([&](const auto& model) { return model.eval(wo, wi); }, bsdf);
