@@ -24,9 +24,10 @@ inline Material one_sided(std::string name, const Bsdf& bsdf) {
 inline Material two_sided(std::string name, const Bsdf& front_bsdf, const Bsdf& back_bsdf) {
   return {std::move(name), {front_bsdf, back_bsdf}};
 }
-/// A closed or open interface; `outside` is the model seen from the front.
-inline Material interface_material(std::string name, const Dielectric& outside) {
-  Dielectric inside = outside;
+/// A closed or open interface; `outside` is the model seen from the front: Dielectric or RoughDielectric.
+template <class Interface>
+Material interface_material(std::string name, const Interface& outside) {
+  Interface inside = outside;
   inside.eta = 1.0f / outside.eta;
   return {std::move(name), {outside, inside}};
 }
