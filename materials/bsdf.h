@@ -4,14 +4,23 @@
 
 #include <concepts>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 
 #include "materials/conductor.h"
 #include "materials/dielectric.h"
 #include "materials/diffuse.h"
 #include "materials/null_model.h"
+#include "materials/phong.h"
+#include "materials/plastic.h"
 #include "materials/principled.h"
 #include "materials/principled_thin.h"
+#include "materials/rough_conductor.h"
+#include "materials/rough_dielectric.h"
+#include "materials/rough_diffuse.h"
+#include "materials/rough_plastic.h"
+#include "materials/thin_dielectric.h"
+#include "materials/ward.h"
 
 namespace twopass {
 
@@ -28,11 +37,24 @@ concept ScatteringModel = requires(const Model& model, V3f w, V2f u) {
   Model::visit_parameters(model, [](std::string_view, const auto&) {});  // (name, member) of each parameter
 };
 
-using Bsdf = std::variant<Diffuse, Conductor, Dielectric, Null, Principled, PrincipledThin>;
+using Bsdf = std::variant<Diffuse, Conductor, Dielectric, RoughConductor, RoughDielectric, ThinDielectric,
+                          Plastic, RoughPlastic, RoughDiffuse, Phong, Ward, Principled, PrincipledThin, Null>;
 
 /// What the models are called, in the variant's order.
-inline constexpr std::string_view model_names[] = {"diffuse", "conductor",  "dielectric",
-                                                   "null",    "principled", "principledthin"};
+inline constexpr std::string_view model_names[] = {"diffuse",
+                                                   "conductor",
+                                                   "dielectric",
+                                                   "roughconductor",
+                                                   "roughdielectric",
+                                                   "thindielectric",
+                                                   "plastic",
+                                                   "roughplastic",
+                                                   "roughdiffuse",
+                                                   "phong",
+                                                   "ward",
+                                                   "principled",
+                                                   "principledthin",
+                                                   "null"};
 static_assert(std::size(model_names) == std::variant_size_v<Bsdf>);
 
 template <class... Models>
@@ -40,6 +62,7 @@ constexpr bool all_are_models(const std::variant<Models...>*) {
   return (ScatteringModel<Models> && ...);
 }
 static_assert(all_are_models(static_cast<const Bsdf*>(nullptr)));
+static_assert(std::is_trivially_destructible_v<Bsdf> && sizeof(Bsdf) <= 128);  // copied at every textured hit
 
 inline C3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return std::visit([&](const auto& model) { return model.eval(wo, wi); }, bsdf);

@@ -14,6 +14,12 @@ float fresnel_dielectric(float cos_i, float eta, float& cos_t) {
   return 0.5f * (s * s + p * p);
 }
 
+float fresnel_diffuse_reflectance(float eta) {
+  const float x = 1.0f / eta;
+  if (eta < 1.0f) return 0.6681f + 0.7099f * eta - 1.4399f * eta * eta + 0.0636f * x;
+  return 0.919317f + x * (-3.4793f + x * (6.75335f + x * (-7.80989f + x * (4.98554f + x * -1.36881f))));
+}
+
 namespace {
 
 float fresnel_conductor(float cos_i, float eta, float k) {

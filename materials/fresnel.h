@@ -10,6 +10,11 @@ namespace twopass {
 /// the cosine of the refracted direction (0 under total reflection).
 float fresnel_dielectric(float cos_i, float eta, float& cos_t);
 
+/// The reflectance of such an interface for diffuse light, the mean over the cosine: within 0.2 % for eta above
+/// 1 (d'Eon and Irving 2011), within 0.1 % from 1 / 1.5 to 1 and 0.6 % from 1 / 2 on (Egan and Hilgeman 1973);
+/// the fits that Mitsuba renders plastic with.
+float fresnel_diffuse_reflectance(float eta);
+
 /// Unpolarised reflectance of a conductor of complex index eta + i k relative to the outside, per channel (M3).
 C3f fresnel_conductor(float cos_i, const C3f& eta, const C3f& k);
 

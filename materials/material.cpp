@@ -71,7 +71,10 @@ void perturb(const NormalMap& map, ShadingGeometry& at) {
 bool transmits(const Bsdf& bsdf) {
   return std::visit(
       [](const auto& model) {
-        return requires { model.from_behind(); };
+        if constexpr (requires { model.transmits(); })
+          return model.transmits();
+        else
+          return requires { model.from_behind(); };
       },
       bsdf);
 }

@@ -17,8 +17,8 @@ struct ParameterRange {
 ParameterRange range_of_parameter(std::string_view name);
 
 /// Names of a model's settings, for parameters that are neither colours nor numbers.
-template <class Setting>
-std::span<const Named<Setting>> setting_names();
+inline std::span<const Named<Microfacet>> names_of_setting(Microfacet) { return microfacet_names; }
+inline std::span<const Named<WardVariant>> names_of_setting(WardVariant) { return ward_variant_names; }
 
 /// Fills a model from a plugin's properties: colours and numbers, or textures in their place, and settings.
 class ModelReader {
@@ -49,7 +49,7 @@ class ModelReader {
   template <class Setting>
   void set(std::string_view name, std::size_t, Setting& parameter) {
     if (const auto text = p_.text(name))
-      parameter = value_of_name<Setting>(setting_names<Setting>(), *text, p_.where(name), std::string(name));
+      parameter = value_of_name<Setting>(names_of_setting(parameter), *text, p_.where(name), std::string(name));
   }
 
   Properties& p_;
