@@ -9,14 +9,14 @@
 namespace twopass {
 namespace {
 
-constexpr Named<TextureFilter> filter_names[] = {
+constexpr Named<TextureFilter> texture_filter_names[] = {
     {"bilinear", TextureFilter::bilinear},
     {"nearest", TextureFilter::nearest},
     // Of version 0.x. Those look at more texels where many share a pixel, as many samples a pixel do, too.
     {"trilinear", TextureFilter::bilinear},
     {"ewa", TextureFilter::bilinear},
 };
-constexpr Named<TextureWrap> wrap_names[] = {
+constexpr Named<TextureWrap> texture_wrap_names[] = {
     {"repeat", TextureWrap::repeat},
     {"mirror", TextureWrap::mirror},
     {"clamp", TextureWrap::clamp},
@@ -79,8 +79,8 @@ Texture MitsubaTextures::read_bitmap(Properties& p, ColorUse use) {
   if (!name)
     throw Error(p.where(), "texture 'bitmap' has no filename", "add <string name=\"filename\" value=\"...\"/>");
   Bitmap bitmap;
-  bitmap.filter = named_property<TextureFilter>(p, "filter_type", filter_names, TextureFilter::bilinear);
-  bitmap.wrap = named_property<TextureWrap>(p, "wrap_mode", wrap_names, TextureWrap::repeat);
+  bitmap.filter = named_property<TextureFilter>(p, "filter_type", texture_filter_names, TextureFilter::bilinear);
+  bitmap.wrap = named_property<TextureWrap>(p, "wrap_mode", texture_wrap_names, TextureWrap::repeat);
   bool raw = p.boolean("raw", false);
   if (const auto gamma = p.number("gamma")) {
     // Of version 0.x; -1 stands for sRGB.

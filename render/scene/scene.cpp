@@ -74,7 +74,7 @@ Parametrization parametrization(const Mesh& mesh, const SurfacePoint& point, con
   return result;
 }
 
-Parametrization parametrization(const Sphere& sphere, const SurfacePoint& point, const V3f& normal) {
+Parametrization parametrization(const Sphere& sphere, const SurfacePoint&, const V3f& normal) {
   const V3f outward = sphere.inward ? -normal : normal;
   const V3f& ax = sphere.axes[0];
   const V3f& ay = sphere.axes[1];
