@@ -1,6 +1,8 @@
 // Direct light at a vertex by next-event estimation, weighed against scattered rays.
 #pragma once
 
+#include <optional>
+
 #include "integrators/integrator.h"
 
 namespace twopass {
@@ -12,9 +14,16 @@ inline float power_heuristic(float own, float other) {
   return 1.0f / (1.0f + ratio * ratio);
 }
 
-/// One light sample at `point`, weighted against the scattered ray: radiance reflected towards wo (local,
-/// unit). REQUIRES: the surface is not purely specular.
-C3f sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf, const V3f& wo,
-                        Sampler& sampler, RayCounts& counts);
+/// A light sample that waits for its shadow ray.
+struct Connection {
+  Segment segment;  ///< from the surface to the light, clear of both
+  C3f radiance;     ///< what the light adds if nothing is in between
+};
+
+/// One light sample at `point`, weighted against the scattered ray; its radiance is what the surface would
+/// reflect towards wo (local, unit). Nothing where no light can come of it. REQUIRES: the scene has lights; the
+/// surface is not purely specular.
+std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
+                                              const V3f& wo, Sampler& sampler);
 
 }  // namespace twopass

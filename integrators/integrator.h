@@ -1,7 +1,8 @@
-// Light along one ray: the contract of every integrator. Knows no pixel, no file, no thread.
+// Light along rays: the contract of every integrator. Knows no pixel, no file, no thread.
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "render/core/sampler.h"
 #include "render/scene/scene.h"
@@ -20,6 +21,13 @@ struct Seen {
   float alpha = 0.0f;  ///< 1 where the ray meets a surface, 0 where it escapes
 };
 
+/// One camera ray, the numbers that its path may draw, and room for what it sees.
+struct PathSample {
+  Ray ray;  ///< direction of unit length
+  Sampler sampler;
+  Seen seen{};
+};
+
 /// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct
 /// light.
 struct PathLimits {
@@ -28,12 +36,25 @@ struct PathLimits {
   bool hide_emitters = false;  ///< lights that the camera sees directly stay dark
 };
 
+/// Samples that are traced side by side (I6). Integrators take any number of them; multiples of this many, of
+/// neighbouring rays, are the fastest.
+inline constexpr std::size_t bundle_size = 64;
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
-  /// An estimate of the radiance arriving along `ray` from where it points. Const and thread-safe; a pure
-  /// function of its arguments. `ray.direction` has unit length.
-  virtual Seen radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const = 0;
+  /// Writes into `seen` of each sample an estimate of the radiance arriving along its ray from where it points.
+  /// Const and thread-safe. What a sample sees is a pure function of its ray and its sampler, whichever samples
+  /// are beside it.
+  virtual void trace(std::span<PathSample> samples, RayCounts& counts) const = 0;
+
+  /// The same for one ray.
+  Seen radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const {
+    PathSample sample{ray, sampler};
+    trace({&sample, 1}, counts);
+    sampler = sample.sampler;
+    return sample.seen;
+  }
 };
 
 }  // namespace twopass

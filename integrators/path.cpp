@@ -1,17 +1,14 @@
 #include "integrators/path.h"
 
-#include "integrators/walk.h"
+#include "integrators/trace.h"
 
 namespace twopass {
 
-Seen PathTracer::radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const {
-  Seen seen;
-  Walk walk(scene_, limits_, ray, sampler, counts);
-  while (walk.arrive(seen)) {
-    if (!is_specular(walk.bsdf())) seen.radiance += walk.direct_light();
-    if (!walk.leave()) break;
-  }
-  return seen;
+void PathTracer::trace(std::span<PathSample> samples, RayCounts& counts) const {
+  trace_bundles(scene_, limits_, samples, counts, [](Walk& walk) {
+    if (!is_specular(walk.bsdf())) walk.sample_lights();
+    return walk.leave();
+  });
 }
 
 }  // namespace twopass

@@ -10,7 +10,7 @@ class PathTracer final : public Integrator {
  public:
   /// REQUIRES: the scene outlives the integrator.
   PathTracer(const Scene& scene, const PathLimits& limits) : scene_(scene), limits_(limits) {}
-  Seen radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const override;
+  void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
   const Scene& scene_;

@@ -1,23 +1,16 @@
 #include "integrators/radiosity_view.h"
 
 #include "integrators/look_up.h"
-#include "integrators/walk.h"
+#include "integrators/trace.h"
 
 namespace twopass {
 
-Seen RadiosityView::radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const {
-  Seen seen;
-  Walk walk(scene_, limits_, ray, sampler, counts);
-  while (walk.arrive(seen)) {
-    if (!is_specular(walk.bsdf())) {
-      if (solution_)
-        seen.radiance +=
-            walk.throughput() * reflected_radiance(walk.bsdf(), solution_->smooth_irradiance(walk.point()));
-      break;
-    }
-    if (!walk.leave()) break;
-  }
-  return seen;
+void RadiosityView::trace(std::span<PathSample> samples, RayCounts& counts) const {
+  trace_bundles(scene_, limits_, samples, counts, [this](Walk& walk) {
+    if (is_specular(walk.bsdf())) return walk.leave();
+    if (solution_) walk.add(reflected_radiance(walk.bsdf(), solution_->smooth_irradiance(walk.point())));
+    return false;
+  });
 }
 
 }  // namespace twopass

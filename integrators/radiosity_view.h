@@ -12,7 +12,7 @@ class RadiosityView final : public Integrator {
   /// REQUIRES: scene and solution outlive the integrator.
   RadiosityView(const Scene& scene, const Solution* solution, const PathLimits& limits)
       : scene_(scene), solution_(solution), limits_(limits) {}
-  Seen radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const override;
+  void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
   const Scene& scene_;

@@ -1,7 +1,7 @@
 #include "integrators/two_pass.h"
 
 #include "integrators/look_up.h"
-#include "integrators/walk.h"
+#include "integrators/trace.h"
 
 namespace twopass {
 
@@ -19,23 +19,17 @@ bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
   return size > 0.0f && distance >= contact_elements * size;
 }
 
-Seen TwoPass::radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const {
-  Seen seen;
-  Walk walk(scene_, limits_, ray, sampler, counts);
-  bool gathering = false;  // the path has left a diffuse vertex: the next one may be looked up
-  while (walk.arrive(seen)) {
-    if (!is_specular(walk.bsdf())) {
-      if (gathering && resolves(walk.point(), walk.distance())) {
-        seen.radiance +=
-            walk.throughput() * reflected_radiance(walk.bsdf(), solution_->irradiance(walk.point()));
-        break;
-      }
-      seen.radiance += walk.direct_light();
-      gathering = true;
+void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
+  trace_bundles(scene_, limits_, samples, counts, [this](Walk& walk) {
+    if (is_specular(walk.bsdf())) return walk.leave();
+    // Only the end of a gather ray may be looked up: of a path that has left a diffuse vertex.
+    if (walk.has_sampled_lights() && resolves(walk.point(), walk.distance())) {
+      walk.add(reflected_radiance(walk.bsdf(), solution_->irradiance(walk.point())));
+      return false;
     }
-    if (!walk.leave()) break;
-  }
-  return seen;
+    walk.sample_lights();
+    return walk.leave();
+  });
 }
 
 }  // namespace twopass

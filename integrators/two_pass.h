@@ -28,7 +28,7 @@ class TwoPass final : public Integrator {
   /// allow.
   TwoPass(const Scene& scene, const Solution* solution, const PathLimits& limits)
       : scene_(scene), solution_(solution), limits_(limits) {}
-  Seen radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) const override;
+  void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
   [[nodiscard]] bool resolves(const SurfacePoint& point, float distance) const;

@@ -1,98 +1,117 @@
-// The walk that all integrators share: a ray, what it carries, and the light that it runs into.
+// A path at one of its vertices: the light that it runs into, and where it may go from there.
 #pragma once
 
 #include "integrators/direct_light.h"
 
 namespace twopass {
 
-/// A path being traced from the camera. It remembers how its last direction was drawn, which is all that is
-/// needed to weigh light that it meets by chance against light that was sampled on purpose.
+/// What a path carries from vertex to vertex. It remembers how its last direction was drawn, which is all that
+/// is needed to weigh light that it meets by chance against light that was sampled on purpose.
+struct Carried {
+  C3f throughput{1.0f};
+  float relative_ior = 1.0f;
+  float last_pdf_w = 0.0f;
+  bool last_was_specular = true;
+  bool has_sampled_lights = false;
+};
+
+/// The step that all integrators share, from one vertex to the next. One Walk serves a whole bundle of paths,
+/// one after the other, so that only what they carry is kept for each.
 class Walk {
  public:
-  Walk(const Scene& scene, const PathLimits& limits, const Ray& ray, Sampler& sampler, RayCounts& counts)
-      : scene_(scene), limits_(limits), sampler_(sampler), counts_(counts), ray_(ray) {}
+  Walk(const Scene& scene, const PathLimits& limits) : scene_(scene), limits_(limits) {}
 
-  /// Follows the ray to the next surface and adds the light met there to `seen` (I2). False: the path ends,
-  /// because it escaped or has all the edges that it may have.
-  bool arrive(Seen& seen) {
-    ++counts_.rays;
-    ++edges_;
-    const Hit hit = scene_.caster().intersect(ray_);
+  /// Takes up a path at the end of its edge number `edges`, which followed `ray` to `hit`, and adds the light
+  /// met there (I2). False: the path ends, because it escaped or has all the edges that it may have.
+  bool arrive(PathSample& sample, Carried& carried, const Ray& ray, const Hit& hit, int edges) {
+    sample_ = &sample;
+    carried_ = &carried;
+    edges_ = edges;
+    connection_.reset();
+    Seen& seen = sample.seen;
     if (hit.escaped()) {
-      seen.radiance += throughput_ * scene_.sky();
+      seen.radiance += carried.throughput * scene_.sky();
       return false;
     }
     distance_ = hit.t;
-    point_ = scene_.surface_point(ray_, hit);
-    bsdf_ = &scene_.resolve(point_, ray_.direction, storage_, [this] { return sampler_.next_1d(); });
-    wo_ = point_.shading.to_local(-ray_.direction);
-    const C3f emitted = scene_.emitted_radiance(point_);
-    const bool hidden = limits_.hide_emitters && edges_ == 1 && !is_black(emitted);
-    if (edges_ == 1) seen.alpha = hidden ? 0.0f : 1.0f;
-    if (!is_black(emitted) && !hidden) seen.radiance += throughput_ * emitted * emission_weight();
-    return limits_.max_depth < 0 || edges_ < limits_.max_depth;
+    point_ = scene_.surface_point(ray, hit);
+    bsdf_ = &scene_.bsdf(point_);
+    wo_ = point_.shading.to_local(-ray.direction);
+    const C3f& emitted = scene_.emitted_radiance(point_);
+    const bool hidden = limits_.hide_emitters && edges == 1 && !is_black(emitted);
+    if (edges == 1) seen.alpha = hidden ? 0.0f : 1.0f;
+    if (!is_black(emitted) && !hidden) seen.radiance += carried.throughput * emitted * emission_weight(ray);
+    return limits_.max_depth < 0 || edges < limits_.max_depth;
   }
 
-  /// Radiance that the light sampled at this vertex sends along the path. REQUIRES: the surface is not purely
-  /// specular.
-  C3f direct_light() {
-    if (scene_.lights().empty()) return C3f(0.0f);
-    return throughput_ * sample_direct_light(scene_, point_, bsdf(), wo_, sampler_, counts_);
+  /// Adds radiance that leaves the vertex along the path.
+  void add(const C3f& radiance) { sample_->seen.radiance += carried_->throughput * radiance; }
+
+  /// Samples the lights; what they send along the path is added when the shadow ray has been cast. REQUIRES:
+  /// the surface is not purely specular.
+  void sample_lights() {
+    carried_->has_sampled_lights = true;
+    if (scene_.lights().empty()) return;
+    connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, sample_->sampler);
+    if (connection_) connection_->radiance *= carried_->throughput;
   }
 
   /// Draws the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
   bool leave() {
-    const std::optional<BsdfSample> drawn = sample(bsdf(), wo_, sampler_.next_2d());
+    const std::optional<BsdfSample> drawn = twopass::sample(*bsdf_, wo_, sample_->sampler.next_2d());
     if (!drawn) return false;
     const V3f direction = point_.shading.to_world(drawn->wi);
     if (drawn->wi.z * direction.dot(point_.geometric_normal) <= 0.0f) return false;
-    throughput_ *= drawn->weight;
-    relative_ior_ *= drawn->eta;
-    last_pdf_w_ = drawn->pdf_w;
-    last_was_specular_ = drawn->is_specular;
-    ray_ = {spawn_position(point_, direction), direction};
+    carried_->throughput *= drawn->weight;
+    carried_->relative_ior *= drawn->eta;
+    carried_->last_pdf_w = drawn->pdf_w;
+    carried_->last_was_specular = drawn->is_specular;
+    next_ray_ = {spawn_position(point_, direction), direction};
     return edges_ < limits_.rr_depth || survives();
   }
 
   [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
-  [[nodiscard]] const C3f& throughput() const { return throughput_; }
-  /// Length of the edge that led to the present point.
+  /// Length of the edge that led to the present vertex.
   [[nodiscard]] float distance() const { return distance_; }
+  /// Whether this or an earlier vertex of the path has sampled the lights.
+  [[nodiscard]] bool has_sampled_lights() const { return carried_->has_sampled_lights; }
+  /// The light sampled at this vertex, if any.
+  [[nodiscard]] const std::optional<Connection>& connection() const { return connection_; }
+  /// The next edge. REQUIRES: leave() was true.
+  [[nodiscard]] const Ray& next_ray() const { return next_ray_; }
 
  private:
   // All of the light where the last vertex could not have sampled it (the camera, a specular vertex), else the
   // share of the scattered ray (I3).
-  [[nodiscard]] float emission_weight() const {
-    if (last_was_specular_) return 1.0f;
-    const float light_pdf_w = scene_.lights().pdf_w(ray_.origin, ray_.direction, distance_, point_);
-    return power_heuristic(last_pdf_w_, light_pdf_w);
+  [[nodiscard]] float emission_weight(const Ray& ray) const {
+    if (carried_->last_was_specular) return 1.0f;
+    const float light_pdf_w = scene_.lights().pdf_w(ray.origin, ray.direction, distance_, point_);
+    return power_heuristic(carried_->last_pdf_w, light_pdf_w);
   }
 
   // The square of the index of refraction undoes the compression of radiance inside glass: it is no loss of
   // importance.
   bool survives() {
-    const float survival = std::min(max_component(throughput_) * relative_ior_ * relative_ior_, 0.95f);
-    if (sampler_.next_1d() >= survival) return false;
-    throughput_ *= 1.0f / survival;
+    C3f& throughput = carried_->throughput;
+    const float ior = carried_->relative_ior;
+    const float survival = std::min(max_component(throughput) * ior * ior, 0.95f);
+    if (sample_->sampler.next_1d() >= survival) return false;
+    throughput *= 1.0f / survival;
     return true;
   }
 
   const Scene& scene_;
   const PathLimits& limits_;
-  Sampler& sampler_;
-  RayCounts& counts_;
-  Ray ray_;
-  SurfacePoint point_;
-  Bsdf storage_;
+  PathSample* sample_ = nullptr;
+  Carried* carried_ = nullptr;
   const Bsdf* bsdf_ = nullptr;
+  SurfacePoint point_;
   V3f wo_;  // towards where the path came from, local
-  C3f throughput_{1.0f};
-  float relative_ior_ = 1.0f;
   float distance_ = 0.0f;
-  float last_pdf_w_ = 0.0f;
   int edges_ = 0;
-  bool last_was_specular_ = true;
+  std::optional<Connection> connection_;
+  Ray next_ray_;
 };
 
 }  // namespace twopass

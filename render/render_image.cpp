@@ -1,6 +1,7 @@
 #include "render/render_image.h"
 
 #include <atomic>
+#include <vector>
 
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
@@ -16,15 +17,21 @@ struct Tally {
   std::atomic<std::uint64_t> rays{0}, shadow_rays{0}, non_finite{0};
 };
 
-// One pass: samples [first, first + count) of every pixel of a tile.
+// One pass: samples [first, first + count) of every pixel of a tile, as many pixels at once as fill a bundle.
 void render_tile(const RenderJob& job, Film& film, int tile, int first, int count, Tally& tally) {
   const int tiles_x = (film.width() + tile_size - 1) / tile_size;
   const int x0 = tile % tiles_x * tile_size, y0 = tile / tiles_x * tile_size;
+  const int width = std::min(tile_size, film.width() - x0), height = std::min(tile_size, film.height() - y0);
+  const int pixels = width * height, pixels_at_once = std::max(1, static_cast<int>(bundle_size) / count);
+  std::vector<PathSample> samples;
+  std::vector<float> weights;
   RayCounts counts;
   std::uint64_t non_finite = 0;
-  for (int y = y0; y < std::min(y0 + tile_size, film.height()); ++y) {
-    for (int x = x0; x < std::min(x0 + tile_size, film.width()); ++x) {
-      PixelBatch batch;
+  for (int begin = 0; begin < pixels; begin += pixels_at_once) {
+    const int end = std::min(begin + pixels_at_once, pixels);
+    samples.clear(), weights.clear();
+    for (int pixel = begin; pixel < end; ++pixel) {
+      const int x = x0 + pixel % width, y = y0 + pixel / width;
       const auto stream = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(film.width()) +
                           static_cast<std::uint32_t>(x);
       for (int i = first; i < first + count; ++i) {
@@ -33,10 +40,18 @@ void render_tile(const RenderJob& job, Film& film, int tile, int first, int coun
         const FilterSample at = sample_filter(job.filter, sampler.next_2d());
         const Ray ray = job.camera.ray(
             {static_cast<float>(x) + 0.5f + at.offset.x, static_cast<float>(y) + 0.5f + at.offset.y});
-        const Seen seen = job.integrator.radiance(ray, sampler, counts);
-        if (!batch.add(seen.radiance, seen.alpha, at.weight)) ++non_finite;
+        samples.push_back({ray, sampler});
+        weights.push_back(at.weight);
       }
-      film.add_pixel(x, y, batch);
+    }
+    job.integrator.trace(samples, counts);
+    for (int pixel = begin; pixel < end; ++pixel) {
+      PixelBatch batch;
+      for (int i = (pixel - begin) * count; i < (pixel - begin + 1) * count; ++i) {
+        const auto s = static_cast<std::size_t>(i);
+        if (!batch.add(samples[s].seen.radiance, samples[s].seen.alpha, weights[s])) ++non_finite;
+      }
+      film.add_pixel(x0 + pixel % width, y0 + pixel / width, batch);
     }
   }
   tally.rays += counts.rays;

@@ -14,6 +14,11 @@ struct Ray {
   V3f direction;  ///< unit length unless a function says otherwise
 };
 
+/// A line between two points, both clear of their own surfaces.
+struct Segment {
+  V3f from, to;
+};
+
 /// The nearest intersection, in the ray caster's terms.
 struct Hit {
   std::uint32_t shape = no_index;  ///< no_index: the ray escaped

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
 #if TWOPASS_EMBREE_VERSION >= 4
 #include <embree4/rtcore.h>
@@ -25,20 +26,62 @@ bool is_valid(const V3f& v) {  // false for NaN, too
          std::abs(v.z) < largest_coordinate;
 }
 
+template <int N>
+using PacketRay = std::conditional_t<N == 16, RTCRay16, RTCRay8>;
+template <int N>
+using PacketRayHit = std::conditional_t<N == 16, RTCRayHit16, RTCRayHit8>;
+
 // The one difference between Embree 3 and 4 that queries see.
 #if TWOPASS_EMBREE_VERSION >= 4
 void query_intersect(RTCScene scene, RTCRayHit& ray_hit) { rtcIntersect1(scene, &ray_hit, nullptr); }
 void query_occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+template <int N>
+void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, Rays kind) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  if (kind == Rays::coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  if constexpr (N == 16)
+    rtcIntersect16(valid, scene, &packet, &arguments);
+  else
+    rtcIntersect8(valid, scene, &packet, &arguments);
+}
+template <int N>
+void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet) {
+  if constexpr (N == 16)
+    rtcOccluded16(valid, scene, &packet, nullptr);
+  else
+    rtcOccluded8(valid, scene, &packet, nullptr);
+}
 #else
+struct Context : RTCIntersectContext {
+  explicit Context(Rays kind = Rays::incoherent) {
+    rtcInitIntersectContext(this);
+    if (kind == Rays::coherent) flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  }
+};
 void query_intersect(RTCScene scene, RTCRayHit& ray_hit) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  Context context;
   rtcIntersect1(scene, &context, &ray_hit);
 }
 void query_occluded(RTCScene scene, RTCRay& ray) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  Context context;
   rtcOccluded1(scene, &context, &ray);
+}
+template <int N>
+void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, Rays kind) {
+  Context context(kind);
+  if constexpr (N == 16)
+    rtcIntersect16(valid, scene, &context, &packet);
+  else
+    rtcIntersect8(valid, scene, &context, &packet);
+}
+template <int N>
+void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet) {
+  Context context;
+  if constexpr (N == 16)
+    rtcOccluded16(valid, scene, &context, &packet);
+  else
+    rtcOccluded8(valid, scene, &context, &packet);
 }
 #endif
 
@@ -54,15 +97,35 @@ void set_ray(RTCRay& ray, const V3f& origin, const V3f& direction, float t_far) 
   ray.flags = 0;
 }
 
-// The nearest distance within (tnear, tfar) at which the ray meets the sphere; false if there is none.
-bool nearest_in_range(const Sphere& sphere, const RTCRay& ray, float& t) {
+// The same for a lane of a packet. Lanes that are off hold a harmless ray.
+template <int N>
+void set_lane(PacketRay<N>& rays, int* valid, std::size_t lane, bool on, const V3f& origin,
+              const V3f& direction, float t_far) {
+  const V3f o = on ? origin : V3f(0.0f), d = on ? direction : V3f(0.0f, 0.0f, 1.0f);
+  valid[lane] = on ? -1 : 0;
+  rays.org_x[lane] = o.x, rays.org_y[lane] = o.y, rays.org_z[lane] = o.z;
+  rays.tnear[lane] = 0.0f;
+  rays.dir_x[lane] = d.x, rays.dir_y[lane] = d.y, rays.dir_z[lane] = d.z;
+  rays.time[lane] = 0.0f;
+  rays.tfar[lane] = t_far;
+  rays.mask[lane] = 0xffffffffu;
+  rays.id[lane] = 0;
+  rays.flags[lane] = 0;
+}
+
+// The rounding of `direction` moves the end of a segment by some units in the last place of the whole length.
+constexpr float segment_end = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
+
+// The nearest distance within (tnear, tfar) at which the ray of a packet meets the sphere; false if there is
+// none.
+bool nearest_in_range(const Sphere& sphere, RTCRayN* rays, unsigned n, unsigned lane, float& t) {
+  const V3f origin(RTCRayN_org_x(rays, n, lane), RTCRayN_org_y(rays, n, lane), RTCRayN_org_z(rays, n, lane));
+  const V3f direction(RTCRayN_dir_x(rays, n, lane), RTCRayN_dir_y(rays, n, lane), RTCRayN_dir_z(rays, n, lane));
   double near, far;
-  if (!intersect_sphere(sphere, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, near,
-                        far))
-    return false;
+  if (!intersect_sphere(sphere, origin, direction, near, far)) return false;
   for (const double candidate : {near, far}) {
     t = static_cast<float>(candidate);
-    if (t > ray.tnear && t < ray.tfar) return true;
+    if (t > RTCRayN_tnear(rays, n, lane) && t < RTCRayN_tfar(rays, n, lane)) return true;
   }
   return false;
 }
@@ -77,23 +140,48 @@ void sphere_bounds(const RTCBoundsFunctionArguments* args) {
   args->bounds_o->lower_z = sphere.center.z - r, args->bounds_o->upper_z = sphere.center.z + r;
 }
 
+// Single rays are packets of one.
 void sphere_intersect(const RTCIntersectFunctionNArguments* args) {
-  if (args->valid[0] == 0) return;
-  auto& ray_hit = *reinterpret_cast<RTCRayHit*>(args->rayhit);  // only single rays are ever cast
-  float t;
-  if (!nearest_in_range(sphere_of(args->geometryUserPtr), ray_hit.ray, t)) return;
-  ray_hit.ray.tfar = t;
-  ray_hit.hit.geomID = args->geomID;
-  ray_hit.hit.primID = args->primID;
-  ray_hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  ray_hit.hit.u = ray_hit.hit.v = 0.0f;
+  const unsigned n = args->N;
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
+  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
+  for (unsigned lane = 0; lane < n; ++lane) {
+    float t;
+    if (args->valid[lane] == 0 || !nearest_in_range(sphere_of(args->geometryUserPtr), rays, n, lane, t))
+      continue;
+    RTCRayN_tfar(rays, n, lane) = t;
+    RTCHitN_geomID(hits, n, lane) = args->geomID;
+    RTCHitN_primID(hits, n, lane) = args->primID;
+    RTCHitN_instID(hits, n, lane, 0) = RTC_INVALID_GEOMETRY_ID;
+    RTCHitN_u(hits, n, lane) = RTCHitN_v(hits, n, lane) = 0.0f;
+  }
 }
 
 void sphere_occluded(const RTCOccludedFunctionNArguments* args) {
-  if (args->valid[0] == 0) return;
-  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  float t;
-  if (nearest_in_range(sphere_of(args->geometryUserPtr), ray, t)) ray.tfar = -infinity_f;
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    float t;
+    if (args->valid[lane] != 0 &&
+        nearest_in_range(sphere_of(args->geometryUserPtr), args->ray, args->N, lane, t))
+      RTCRayN_tfar(args->ray, args->N, lane) = -infinity_f;
+  }
+}
+
+// Cuts `count` queries into packets: calls body(width, first, count of the packet), width an integral constant.
+template <class Body>
+void for_packets(int width, std::size_t count, const Body& body) {
+  for (std::size_t first = 0; first < count;) {
+    const std::size_t in_packet = std::min(count - first, static_cast<std::size_t>(width));
+    // A packet that is not half full is slower than its rays one by one.
+    if (width == 1 || 2 * in_packet < static_cast<std::size_t>(width)) {
+      body(std::integral_constant<int, 1>{}, first++, std::size_t{1});
+      continue;
+    }
+    if (width == 16)
+      body(std::integral_constant<int, 16>{}, first, in_packet);
+    else
+      body(std::integral_constant<int, 8>{}, first, in_packet);
+    first += in_packet;
+  }
 }
 
 }  // namespace
@@ -101,6 +189,7 @@ void sphere_occluded(const RTCOccludedFunctionNArguments* args) {
 struct RayCaster::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  int packet_width = 1;  // that the processor has instructions for
   std::atomic<std::int64_t> bytes{0};
 
   ~Impl() {
@@ -142,7 +231,46 @@ struct RayCaster::Impl {
     rtcSetGeometryOccludedFunction(geometry, sphere_occluded);
     attach(geometry, id);
   }
+  template <int N>
+  void intersect(std::span<const Ray> rays, Hit* hits, Rays kind) const;
+  template <int N>
+  void occluded(std::span<const Segment> segments, bool* occluded) const;
 };
+
+template <int N>
+void RayCaster::Impl::intersect(std::span<const Ray> rays, Hit* hits, Rays kind) const {
+  alignas(64) int valid[N];
+  PacketRayHit<N> packet;
+  for (std::size_t lane = 0; lane < N; ++lane) {
+    const bool on = lane < rays.size() && is_valid(rays[lane].origin) && is_valid(rays[lane].direction);
+    const Ray& ray = rays[on ? lane : 0];
+    set_lane<N>(packet.ray, valid, lane, on, ray.origin, ray.direction, infinity_f);
+    packet.hit.geomID[lane] = packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  }
+  query_intersect<N>(scene, valid, packet, kind);
+  for (std::size_t lane = 0; lane < rays.size(); ++lane) {
+    if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID)
+      hits[lane] = {};
+    else
+      hits[lane] = {packet.hit.geomID[lane], packet.hit.primID[lane], packet.ray.tfar[lane], packet.hit.u[lane],
+                    packet.hit.v[lane]};
+  }
+}
+
+template <int N>
+void RayCaster::Impl::occluded(std::span<const Segment> segments, bool* occluded) const {
+  alignas(64) int valid[N];
+  PacketRay<N> packet;
+  for (std::size_t lane = 0; lane < N; ++lane) {
+    const Segment& segment = segments[lane < segments.size() ? lane : 0];
+    const V3f direction = segment.to - segment.from;
+    const bool on = lane < segments.size() && is_valid(segment.from) && is_valid(direction);
+    set_lane<N>(packet, valid, lane, on, segment.from, direction, segment_end);
+  }
+  query_occluded<N>(scene, valid, packet);
+  for (std::size_t lane = 0; lane < segments.size(); ++lane)
+    occluded[lane] = valid[lane] == 0 || packet.tfar[lane] < 0.0f;
+}
 
 RayCaster::RayCaster(std::span<const Shape> shapes) : impl_(std::make_unique<Impl>()) {
   impl_->device = rtcNewDevice("");
@@ -154,6 +282,10 @@ RayCaster::RayCaster(std::span<const Shape> shapes) : impl_(std::make_unique<Imp
         return true;
       },
       &impl_->bytes);
+  if (rtcGetDeviceProperty(impl_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0)
+    impl_->packet_width = 16;
+  else if (rtcGetDeviceProperty(impl_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0)
+    impl_->packet_width = 8;
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
   for (std::uint32_t id = 0; id < shapes.size(); ++id) {
@@ -190,10 +322,27 @@ bool RayCaster::occluded(const V3f& from, const V3f& to) const {
   const V3f direction = to - from;
   if (!is_valid(from) || !is_valid(direction)) return true;
   RTCRay ray;
-  // The rounding of `direction` moves the end by some units in the last place of the whole length.
-  set_ray(ray, from, direction, 1.0f - 16.0f * std::numeric_limits<float>::epsilon());
+  set_ray(ray, from, direction, segment_end);
   query_occluded(impl_->scene, ray);
   return ray.tfar < 0.0f;
+}
+
+void RayCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits, Rays kind) const {
+  for_packets(impl_->packet_width, rays.size(), [&](auto width, std::size_t first, std::size_t count) {
+    if constexpr (width == 1)
+      hits[first] = intersect(rays[first]);
+    else
+      impl_->intersect<width>(rays.subspan(first, count), &hits[first], kind);
+  });
+}
+
+void RayCaster::occluded(std::span<const Segment> segments, std::span<bool> results) const {
+  for_packets(impl_->packet_width, segments.size(), [&](auto width, std::size_t first, std::size_t count) {
+    if constexpr (width == 1)
+      results[first] = occluded(segments[first].from, segments[first].to);
+    else
+      impl_->occluded<width>(segments.subspan(first, count), &results[first]);
+  });
 }
 
 std::size_t RayCaster::memory_bytes() const {

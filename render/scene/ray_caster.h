@@ -9,6 +9,10 @@
 
 namespace twopass {
 
+/// What the caller knows of rays that it casts together: coherent ones start and point alike, as camera rays
+/// do. It changes the time that they take, not what they hit.
+enum class Rays { coherent, incoherent };
+
 /// An acceleration structure over shapes. Const and thread-safe once built.
 class RayCaster {
  public:
@@ -24,6 +28,10 @@ class RayCaster {
   /// Whether anything lies on the open segment between two points. Both must already be clear of their own
   /// surfaces. True for non-finite points.
   [[nodiscard]] bool occluded(const V3f& from, const V3f& to) const;
+
+  /// The same for many, in packets (I7). REQUIRES: as many results as queries, or more.
+  void intersect(std::span<const Ray> rays, std::span<Hit> hits, Rays kind) const;
+  void occluded(std::span<const Segment> segments, std::span<bool> results) const;
 
   [[nodiscard]] std::size_t memory_bytes() const;
 

@@ -1,5 +1,9 @@
-// How near the path tracer comes to the speed of Embree alone: rays per CPU second of `path` on the Cornell
-// box, beside a bare loop over the same kinds of rays. One thread. Compare the counters `rays`.
+// How near the path tracer comes to the speed of Embree alone: rays per CPU second of `path`, beside bare loops
+// over the same rays on the Cornell box, one by one and in packets. Compare the counters `rays`; between
+// versions of the path tracer, the counters `paths`.
+#include <filesystem>
+#include <map>
+
 #include <benchmark/benchmark.h>
 
 #include "integrators/path.h"
@@ -18,14 +22,28 @@ namespace {
 constexpr int size = 512;
 constexpr std::uint32_t samples_per_pixel = 4, pixels_drawn = 1 << 14;
 
-const LoadedScene& cornell_box() {
-  static const LoadedScene loaded = load_scene(TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml", {});
-  return loaded;
+struct BenchScene {
+  explicit BenchScene(LoadedScene loaded)
+      : camera(loaded.scene.camera ? *loaded.scene.camera : framing_camera(bounds_of(loaded.scene.shapes)),
+               size, size),
+        scene(std::move(loaded.scene)) {}
+  Camera camera;
+  Scene scene;
+};
+// Loaded once. A scene of triangles without lamps is lit by the sky.
+const BenchScene& bench_scene(const std::string& file) {
+  static std::map<std::string, std::unique_ptr<BenchScene>> all;
+  auto& one = all[file];
+  if (!one) {
+    LoadedScene loaded = load_scene(TWOPASS_SOURCE_DIR + file, {});
+    if (file.ends_with(".obj")) loaded.scene.sky = C3f(1.0f);
+    one = std::make_unique<BenchScene>(std::move(loaded));
+  }
+  return *one;
 }
-const Scene& scene() {
-  static const Scene built(cornell_box().scene);
-  return built;
-}
+
+const std::string cornell_box = "/scenes/cornell-box/scene.xml";
+const Scene& scene() { return bench_scene(cornell_box).scene; }
 
 // The ray of one sample of a pixel; pixels in the order of a render's tiles, every sixteenth tile, so that the
 // whole picture is covered.
@@ -39,11 +57,13 @@ Ray camera_ray(const Camera& camera, std::uint32_t pixel, Sampler& sampler) {
 struct Query {
   V3f origin, direction;
   bool shadow;  // shadow rays end at origin + direction
+  std::uint32_t path;
+  int edge;  // of the path, from 1; a shadow ray belongs to the edge that led to it
 };
 
 // The rays of path-traced paths, in the order in which the path tracer casts them.
 std::vector<Query> recorded_rays() {
-  const Camera camera(*cornell_box().scene.camera, size, size);
+  const Camera& camera = bench_scene(cornell_box).camera;
   std::vector<Query> queries;
   for (std::uint32_t i = 0; i < pixels_drawn * samples_per_pixel; ++i) {
     const std::uint32_t pixel = i / samples_per_pixel;
@@ -51,7 +71,7 @@ std::vector<Query> recorded_rays() {
     Ray ray = camera_ray(camera, pixel, sampler);
     C3f throughput(1.0f);
     for (int edges = 1;; ++edges) {
-      queries.push_back({ray.origin, ray.direction, false});
+      queries.push_back({ray.origin, ray.direction, false, i, edges});
       const Hit hit = scene().caster().intersect(ray);
       if (hit.escaped()) break;
       const SurfacePoint p = scene().surface_point(ray, hit);
@@ -60,7 +80,7 @@ std::vector<Query> recorded_rays() {
       const V3f start = spawn_position(p, light.direction);
       if (light.pdf_w > 0.0f && !is_black(light.radiance) && light.direction.dot(p.shading.n) > 0.0f &&
           !is_black(diffuse_reflectance(bsdf)))
-        queries.push_back({start, light.position - start, true});
+        queries.push_back({start, light.position - start, true, i, edges});
       const auto drawn = sample(bsdf, p.shading.to_local(-ray.direction), sampler.next_2d());
       if (!drawn) break;
       throughput *= drawn->weight;
@@ -136,16 +156,84 @@ void bare_embree(benchmark::State& state) {
 }
 BENCHMARK(bare_embree)->Unit(benchmark::kMillisecond);
 
-void path_tracer(benchmark::State& state) {
-  const Camera camera(*cornell_box().scene.camera, size, size);
-  const PathTracer path(scene(), {});
+// The same rays in packets of 16: those of as many paths as a bundle holds, edge by edge.
+void bare_embree_packets(benchmark::State& state) {
+  std::vector<Query> queries = recorded_rays();
+  const auto order = [](const Query& q) { return std::tuple(q.path / bundle_size, q.edge, q.shadow, q.path); };
+  std::sort(queries.begin(), queries.end(),
+            [&](const Query& a, const Query& b) { return order(a) < order(b); });
+  RTCDevice device = rtcNewDevice("");
+  RTCScene bare = bare_scene(device);
+  std::uint64_t hits = 0;
+  for (auto _ : state) {
+    for (std::size_t first = 0; first < queries.size();) {
+      const Query& q = queries[first];
+      alignas(64) int valid[16] = {};
+      RTCRayHit16 query;
+      RTCRay16& ray = query.ray;
+      std::size_t n = 0;
+      for (; n < 16 && first + n < queries.size(); ++n) {
+        const Query& r = queries[first + n];
+        if (r.shadow != q.shadow || r.edge != q.edge || r.path / bundle_size != q.path / bundle_size) break;
+        valid[n] = -1;
+        ray.org_x[n] = r.origin.x, ray.org_y[n] = r.origin.y, ray.org_z[n] = r.origin.z;
+        ray.dir_x[n] = r.direction.x, ray.dir_y[n] = r.direction.y, ray.dir_z[n] = r.direction.z;
+      }
+      first += n;
+      for (int i = 0; i < 16; ++i) {
+        ray.tnear[i] = ray.time[i] = 0.0f;
+        ray.tfar[i] = q.shadow ? 1.0f : infinity_f;
+        ray.mask[i] = 0xffffffffu;
+        ray.id[i] = ray.flags[i] = 0;
+        query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      }
+#if TWOPASS_EMBREE_VERSION >= 4
+      RTCIntersectArguments arguments;
+      rtcInitIntersectArguments(&arguments);
+      if (q.edge == 1) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+      if (q.shadow)
+        rtcOccluded16(valid, bare, &query.ray, nullptr);
+      else
+        rtcIntersect16(valid, bare, &query, &arguments);
+#else
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      if (q.edge == 1 && !q.shadow) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+      if (q.shadow)
+        rtcOccluded16(valid, bare, &context, &query.ray);
+      else
+        rtcIntersect16(valid, bare, &context, &query);
+#endif
+      hits += query.hit.geomID[0];
+    }
+  }
+  benchmark::DoNotOptimize(hits);
+  state.counters["rays"] =
+      benchmark::Counter(static_cast<double>(queries.size() * state.iterations()), benchmark::Counter::kIsRate);
+  rtcReleaseScene(bare);
+  rtcReleaseDevice(device);
+}
+BENCHMARK(bare_embree_packets)->Unit(benchmark::kMillisecond);
+
+// Every thread renders all of the samples; rates are of the CPU time of all threads.
+void path_tracer(benchmark::State& state, const std::string& file) {
+  if (!std::filesystem::exists(TWOPASS_SOURCE_DIR + file)) return state.SkipWithError("not there");
+  const BenchScene& bench = bench_scene(file);
+  const PathTracer path(bench.scene, {});
   RayCounts counts;
   C3f sum(0.0f);
+  std::vector<PathSample> samples;
   for (auto _ : state) {
-    for (std::uint32_t i = 0; i < pixels_drawn * samples_per_pixel; ++i) {
-      const std::uint32_t pixel = i / samples_per_pixel;
-      Sampler sampler(1, pixel, i % samples_per_pixel);
-      sum += path.radiance(camera_ray(camera, pixel, sampler), sampler, counts).radiance;
+    for (std::uint32_t i = 0; i < pixels_drawn * samples_per_pixel;) {
+      samples.clear();
+      for (std::uint32_t k = 0; k < bundle_size; ++k, ++i) {
+        const std::uint32_t pixel = i / samples_per_pixel;
+        Sampler sampler(1, pixel, i % samples_per_pixel);
+        const Ray ray = camera_ray(bench.camera, pixel, sampler);
+        samples.push_back({ray, sampler});
+      }
+      path.trace(samples, counts);
+      for (const PathSample& sample : samples) sum += sample.seen.radiance;
     }
   }
   benchmark::DoNotOptimize(sum);
@@ -153,9 +241,18 @@ void path_tracer(benchmark::State& state) {
   state.counters["rays"] = benchmark::Counter(rays, benchmark::Counter::kIsRate);
   const auto paths = static_cast<double>(state.iterations()) * pixels_drawn * samples_per_pixel;
   state.counters["paths"] = benchmark::Counter(paths, benchmark::Counter::kIsRate);
-  state.counters["rays_per_path"] = rays / paths;
+  state.counters["rays_per_path"] = benchmark::Counter(rays / paths, benchmark::Counter::kAvgThreads);
+  state.counters["mean"] = benchmark::Counter(mean_component(sum) / paths, benchmark::Counter::kAvgThreads);
 }
-BENCHMARK(path_tracer)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(path_tracer, cornell_box, cornell_box)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->Threads(1)
+    ->Threads(2);
+BENCHMARK_CAPTURE(path_tracer, cornell_box_specular, "/scenes/cornell-box-specular/scene.xml")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(path_tracer, conference, "/../shared/scenes/conference/conference.obj")
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace twopass

@@ -14,11 +14,12 @@ namespace {
 class Synthetic final : public Integrator {
  public:
   explicit Synthetic(float noise, bool broken = false) : noise_(noise), broken_(broken) {}
-  Seen radiance(const Ray&, Sampler& sampler, RayCounts& counts) const override {
-    ++counts.rays;
-    const float u = sampler.next_1d();
-    if (broken_ && u < 0.25f) return {C3f(NAN), 1.0f};
-    return {C3f(1.0f + noise_ * (u - 0.5f)), 1.0f};
+  void trace(std::span<PathSample> samples, RayCounts& counts) const override {
+    counts.rays += samples.size();
+    for (PathSample& sample : samples) {
+      const float u = sample.sampler.next_1d();
+      sample.seen = {broken_ && u < 0.25f ? C3f(NAN) : C3f(1.0f + noise_ * (u - 0.5f)), 1.0f};
+    }
   }
 
  private:

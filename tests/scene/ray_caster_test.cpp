@@ -1,5 +1,6 @@
 #include "render/scene/ray_caster.h"
 
+#include <array>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -102,6 +103,84 @@ TEST(RayCaster, SmallSphereFarAwayIsHitWhereItIs) {
   const RayCaster caster(shapes);
   EXPECT_FALSE(caster.intersect({V3f(0, 0.0099f, 0), V3f(1, 0, 0)}).escaped());
   EXPECT_TRUE(caster.intersect({V3f(0, 0.0101f, 0), V3f(1, 0, 0)}).escaped());
+}
+
+// A crowd of triangles and spheres, and rays in all directions among them, some of them not finite.
+struct Crowd {
+  Crowd() {
+    SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+    for (std::uint32_t i = 0; i < 60; ++i) {
+      Sampler sampler(5, i, 0);
+      const auto point = [&] {
+        const V2f a = sampler.next_2d();
+        return V3f(a.x, a.y, sampler.next_1d());
+      };
+      if (i % 3 == 0) {
+        test::add_diffuse(scene, "ball", Sphere{point(), 0.02f + 0.1f * sampler.next_1d(), false}, C3f(0.5f));
+      } else {
+        const V3f corner = point();
+        test::add_diffuse(scene, "sheet",
+                          test::quad(corner, (point() - corner) * 0.3f, (point() - corner) * 0.3f), C3f(0.5f));
+      }
+    }
+    shapes = scene.shapes;
+    const float bad[] = {std::numeric_limits<float>::quiet_NaN(), infinity_f, -infinity_f, 1e30f};
+    for (std::uint32_t i = 0; i < 40000; ++i) {
+      Sampler sampler(6, i, 0);
+      const V2f a = sampler.next_2d(), b = sampler.next_2d();
+      Ray ray{V3f(a.x, a.y, b.x), square_to_sphere(sampler.next_2d())};
+      V3f end = ray.origin + ray.direction * b.y;
+      if (i % 7 == 3) ray.origin.y = end.z = bad[i % 4];
+      if (i % 11 == 5) ray.direction.x = bad[i % 4];
+      rays.push_back(ray);
+      segments.push_back({ray.origin, end});
+    }
+  }
+  std::vector<Shape> shapes;
+  std::vector<Ray> rays;
+  std::vector<Segment> segments;
+};
+
+// To the bit, in packets of all fillings: whether rays are cast in packets must not show in any picture.
+TEST(RayCaster, PacketsFindWhatSingleRaysFind) {
+  const Crowd crowd;
+  const RayCaster caster(crowd.shapes);
+  for (const Rays kind : {Rays::coherent, Rays::incoherent}) {
+    std::size_t found = 0, size = 1;
+    for (std::size_t first = 0; first < crowd.rays.size(); first += size, size = size % 70 + 1) {
+      const auto rays = std::span(crowd.rays).subspan(first, std::min(size, crowd.rays.size() - first));
+      std::array<Hit, 70> hits;
+      caster.intersect(rays, hits, kind);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Hit single = caster.intersect(rays[i]);
+        ASSERT_EQ(hits[i].shape, single.shape) << first + i;
+        ASSERT_EQ(hits[i].primitive, single.primitive) << first + i;
+        ASSERT_EQ(hits[i].t, single.t) << first + i;
+        ASSERT_EQ(hits[i].u, single.u) << first + i;
+        ASSERT_EQ(hits[i].v, single.v) << first + i;
+        found += !single.escaped() && std::holds_alternative<Sphere>(crowd.shapes[single.shape].geometry);
+      }
+    }
+    EXPECT_GT(found, 3000u) << "spheres must be hit at all";
+  }
+}
+
+TEST(RayCaster, PacketsAreOccludedAsSingleSegmentsAre) {
+  const Crowd crowd;
+  const RayCaster caster(crowd.shapes);
+  std::size_t blocked = 0, size = 1;
+  for (std::size_t first = 0; first < crowd.segments.size(); first += size, size = size % 70 + 1) {
+    const auto segments =
+        std::span(crowd.segments).subspan(first, std::min(size, crowd.segments.size() - first));
+    std::array<bool, 70> occluded;
+    caster.occluded(segments, occluded);
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      ASSERT_EQ(occluded[i], caster.occluded(segments[i].from, segments[i].to)) << first + i;
+      blocked += occluded[i];
+    }
+  }
+  EXPECT_GT(blocked, crowd.segments.size() / 4);
+  EXPECT_LT(blocked, crowd.segments.size() * 3 / 4);
 }
 
 }  // namespace
