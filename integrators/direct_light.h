@@ -20,6 +20,16 @@ struct Connection {
   C3f radiance;     ///< what the light adds if nothing is in between
 };
 
+/// How much of the light from `direction` (unit; `cosine` with the shading normal) the normals of the point let
+/// through: nothing where they disagree on the side that it comes from, or light would leak through surfaces
+/// with interpolated normals; less than 1 at grazing angles on bumps (materials, M30).
+inline float agreement_of_normals(const SurfacePoint& point, const V3f& direction, float cosine) {
+  if (cosine * direction.dot(point.geometric_normal) <= 0.0f) return 0.0f;
+  if (point.terminator == 0.0f) return 1.0f;
+  const float unperturbed = direction.dot(point.unperturbed_normal);
+  return cosine * unperturbed > 0.0f ? soft_terminator(point.terminator, unperturbed) : 0.0f;
+}
+
 /// One light sample at `point`, weighted against the scattered ray; its radiance is what the surface would
 /// reflect towards wo (local, unit). Nothing where no light can come of it. REQUIRES: the scene has lights; the
 /// surface is not purely specular.

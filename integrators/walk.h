@@ -12,8 +12,14 @@ struct Carried {
   float relative_ior = 1.0f;
   float last_pdf_w = 0.0f;
   bool last_was_specular = true;
-  bool has_sampled_lights = false;
+  bool gathers = false;        ///< its last direction but for mirrors and glass was drawn from a broad lobe
+  int passed = 0;              ///< surfaces that it went straight through; no edge ends there
+  float passed_length = 0.0f;  ///< from the last vertex to the last of them
 };
+
+/// Lobes with less density than this, per steradian, count as broad: what they gather is blurred. Diffuse ones
+/// have at most 1 / pi.
+inline constexpr float broad_lobe_pdf_w = 1.0f;
 
 /// The step that all integrators share, from one vertex to the next. One Walk serves a whole bundle of paths,
 /// one after the other, so that only what they carry is kept for each.
@@ -26,22 +32,22 @@ class Walk {
   bool arrive(PathSample& sample, Carried& carried, const Ray& ray, const Hit& hit, int edges) {
     sample_ = &sample;
     carried_ = &carried;
-    edges_ = edges;
+    edges_ = edges - carried.passed;
     connection_.reset();
     Seen& seen = sample.seen;
     if (hit.escaped()) {
       seen.radiance += carried.throughput * scene_.sky();
       return false;
     }
-    distance_ = hit.t;
+    distance_ = carried.passed_length + hit.t;
     point_ = scene_.surface_point(ray, hit);
-    bsdf_ = &scene_.bsdf(point_);
+    bsdf_ = &scene_.resolve(point_, ray.direction, resolved_, [&sample] { return sample.sampler.next_1d(); });
     wo_ = point_.shading.to_local(-ray.direction);
-    const C3f& emitted = scene_.emitted_radiance(point_);
-    const bool hidden = limits_.hide_emitters && edges == 1 && !is_black(emitted);
-    if (edges == 1) seen.alpha = hidden ? 0.0f : 1.0f;
+    const C3f emitted = scene_.emitted_radiance(point_);
+    const bool hidden = limits_.hide_emitters && edges_ == 1 && !is_black(emitted);
+    if (edges_ == 1) seen.alpha = hidden || is_hole() ? 0.0f : 1.0f;
     if (!is_black(emitted) && !hidden) seen.radiance += carried.throughput * emitted * emission_weight(ray);
-    return limits_.max_depth < 0 || edges < limits_.max_depth;
+    return limits_.max_depth < 0 || edges_ < limits_.max_depth || is_hole();
   }
 
   /// Adds radiance that leaves the vertex along the path.
@@ -50,7 +56,6 @@ class Walk {
   /// Samples the lights; what they send along the path is added when the shadow ray has been cast. REQUIRES:
   /// the surface is not purely specular.
   void sample_lights() {
-    carried_->has_sampled_lights = true;
     if (scene_.lights().empty()) return;
     connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, sample_->sampler);
     if (connection_) connection_->radiance *= carried_->throughput;
@@ -61,21 +66,34 @@ class Walk {
     const std::optional<BsdfSample> drawn = twopass::sample(*bsdf_, wo_, sample_->sampler.next_2d());
     if (!drawn) return false;
     const V3f direction = point_.shading.to_world(drawn->wi);
-    if (drawn->wi.z * direction.dot(point_.geometric_normal) <= 0.0f) return false;
-    carried_->throughput *= drawn->weight;
+    const float reached = agreement_of_normals(point_, direction, drawn->wi.z);
+    if (reached == 0.0f) return false;
+    carried_->throughput *= drawn->weight * reached;
     carried_->relative_ior *= drawn->eta;
     carried_->last_pdf_w = drawn->pdf_w;
     carried_->last_was_specular = drawn->is_specular;
+    carried_->passed_length = 0.0f;
+    if (!drawn->is_specular) carried_->gathers = drawn->pdf_w < broad_lobe_pdf_w;
     next_ray_ = {spawn_position(point_, direction), direction};
     return edges_ < limits_.rr_depth || survives();
+  }
+
+  /// There is nothing here but a mask's hole: light passes straight through.
+  [[nodiscard]] bool is_hole() const { return std::holds_alternative<Null>(*bsdf_); }
+  /// Goes on in the same direction, as if there were no surface. `ray` led here.
+  void pass(const Ray& ray) {
+    ++carried_->passed;
+    carried_->passed_length = distance_;
+    next_ray_ = {spawn_position(point_, ray.direction), ray.direction};
   }
 
   [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
   /// Length of the edge that led to the present vertex.
   [[nodiscard]] float distance() const { return distance_; }
-  /// Whether this or an earlier vertex of the path has sampled the lights.
-  [[nodiscard]] bool has_sampled_lights() const { return carried_->has_sampled_lights; }
+  /// Whether what is seen here is blurred by the lobe that led here, with or without mirrors and glass in
+  /// between.
+  [[nodiscard]] bool gathers() const { return carried_->gathers; }
   /// The light sampled at this vertex, if any.
   [[nodiscard]] const std::optional<Connection>& connection() const { return connection_; }
   /// The next edge. REQUIRES: leave() was true.
@@ -105,6 +123,7 @@ class Walk {
   const PathLimits& limits_;
   PathSample* sample_ = nullptr;
   Carried* carried_ = nullptr;
+  Bsdf resolved_;  // the model, where it varies over the surface
   const Bsdf* bsdf_ = nullptr;
   SurfacePoint point_;
   V3f wo_;  // towards where the path came from, local
