@@ -12,6 +12,11 @@ inline float power_heuristic(float own, float other) {
   return 1.0f / (1.0f + ratio * ratio);
 }
 
+/// A vertex as the lights see it.
+inline Receiver receiver_at(const SurfacePoint& point, const Bsdf& bsdf) {
+  return {point.position, point.shading.n, std::holds_alternative<Diffuse>(bsdf)};
+}
+
 /// One light sample at `point`, weighted against the scattered ray: radiance reflected towards wo (local,
 /// unit). REQUIRES: the surface is not purely specular.
 C3f sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf, const V3f& wo,

@@ -19,7 +19,8 @@ class Walk {
     ++edges_;
     const Hit hit = scene_.caster().intersect(ray_);
     if (hit.escaped()) {
-      seen.radiance += throughput_ * scene_.sky();
+      const C3f sky = scene_.environment().radiance(ray_.direction);
+      if (!is_black(sky)) seen.radiance += throughput_ * sky * escape_weight();
       return false;
     }
     distance_ = hit.t;
@@ -49,6 +50,7 @@ class Walk {
     relative_ior_ *= drawn->eta;
     last_pdf_w_ = drawn->pdf_w;
     last_was_specular_ = drawn->is_specular;
+    last_receiver_ = receiver_at(point_, bsdf());
     ray_ = {spawn_position(point_, direction), direction};
     return edges_ < limits_.rr_depth || survives();
   }
@@ -64,8 +66,13 @@ class Walk {
   // share of the scattered ray (I3).
   [[nodiscard]] float emission_weight() const {
     if (last_was_specular_) return 1.0f;
-    const float light_pdf_w = scene_.lights().pdf_w(ray_.origin, ray_.direction, distance_, point_);
+    const float light_pdf_w = scene_.lights().pdf_w(last_receiver_, ray_.direction, distance_, point_);
     return power_heuristic(last_pdf_w_, light_pdf_w);
+  }
+  // The same for the environment.
+  [[nodiscard]] float escape_weight() const {
+    if (last_was_specular_) return 1.0f;
+    return power_heuristic(last_pdf_w_, scene_.lights().escaped_pdf_w(last_receiver_, ray_.direction));
   }
 
   // The square of the index of refraction undoes the compression of radiance inside glass: it is no loss of
@@ -83,7 +90,8 @@ class Walk {
   RayCounts& counts_;
   Ray ray_;
   SurfacePoint point_;
-  V3f wo_;  // towards where the path came from, local
+  Receiver last_receiver_;  // the vertex that the ray left
+  V3f wo_;                  // towards where the path came from, local
   C3f throughput_{1.0f};
   float relative_ior_ = 1.0f;
   float distance_ = 0.0f;

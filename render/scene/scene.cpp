@@ -35,6 +35,7 @@ Scene::Scene(SceneDescription description)
       faces_(faces_of(description_.shapes)),
       bounds_(bounds_of(description_.shapes)),
       caster_(description_.shapes),
-      lights_(description_.shapes) {}
+      environment_(description_.sky),
+      lights_(description_.shapes, {}, environment_, bounds_) {}
 
 }  // namespace twopass
