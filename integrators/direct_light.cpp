@@ -4,16 +4,19 @@ namespace twopass {
 
 std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
                                               const V3f& wo, Sampler& sampler) {
-  const LightSample light = scene.lights().sample(point.position, sampler.next_2d());
+  const LightSample light = scene.lights().sample(receiver_at(point, bsdf), sampler.next_2d());
   if (!(light.pdf_w > 0.0f) || is_black(light.radiance)) return std::nullopt;
   const V3f wi = point.shading.to_local(light.direction);
-  // Both normals must agree on the side, or light leaks through surfaces with interpolated normals.
-  if (wi.z * light.direction.dot(point.geometric_normal) <= 0.0f) return std::nullopt;
-  const C3f scattered = eval(bsdf, wo, wi);
+  const float reached = agreement_of_normals(point, light.direction, wi.z);
+  if (reached == 0.0f) return std::nullopt;
+  const C3f scattered = eval(bsdf, wo, wi) * reached;
   if (is_black(scattered)) return std::nullopt;
-  // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-  const float other = pdf_w(bsdf, wo, wi);
-  const float weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
+  float weight = 1.0f / light.pdf_w;
+  if (!light.is_delta) {
+    // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
+    const float other = pdf_w(bsdf, wo, wi);
+    weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
+  }
   return Connection{{spawn_position(point, light.direction), light.position},
                     scattered * light.radiance * weight};
 }

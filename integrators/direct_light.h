@@ -20,6 +20,11 @@ struct Connection {
   C3f radiance;     ///< what the light adds if nothing is in between
 };
 
+/// A vertex as the lights see it.
+inline Receiver receiver_at(const SurfacePoint& point, const Bsdf& bsdf) {
+  return {point.position, point.shading.n, std::holds_alternative<Diffuse>(bsdf)};
+}
+
 /// How much of the light from `direction` (unit; `cosine` with the shading normal) the normals of the point let
 /// through: nothing where they disagree on the side that it comes from, or light would leak through surfaces
 /// with interpolated normals; less than 1 at grazing angles on bumps (materials, M30).

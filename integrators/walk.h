@@ -11,6 +11,7 @@ struct Carried {
   C3f throughput{1.0f};
   float relative_ior = 1.0f;
   float last_pdf_w = 0.0f;
+  Receiver last_receiver;  ///< the vertex that the ray left; set once last_was_specular is false
   bool last_was_specular = true;
   bool gathers = false;        ///< its last direction but for mirrors and glass was drawn from a broad lobe
   int passed = 0;              ///< surfaces that it went straight through; no edge ends there
@@ -36,7 +37,8 @@ class Walk {
     connection_.reset();
     Seen& seen = sample.seen;
     if (hit.escaped()) {
-      seen.radiance += carried.throughput * scene_.sky();
+      const C3f sky = scene_.environment().radiance(ray.direction);
+      if (!is_black(sky)) seen.radiance += carried.throughput * sky * escape_weight(ray);
       return false;
     }
     distance_ = carried.passed_length + hit.t;
@@ -73,7 +75,10 @@ class Walk {
     carried_->last_pdf_w = drawn->pdf_w;
     carried_->last_was_specular = drawn->is_specular;
     carried_->passed_length = 0.0f;
-    if (!drawn->is_specular) carried_->gathers = drawn->pdf_w < broad_lobe_pdf_w;
+    if (!drawn->is_specular) {
+      carried_->gathers = drawn->pdf_w < broad_lobe_pdf_w;
+      carried_->last_receiver = receiver_at(point_, *bsdf_);
+    }
     next_ray_ = {spawn_position(point_, direction), direction};
     return edges_ < limits_.rr_depth || survives();
   }
@@ -104,7 +109,13 @@ class Walk {
   // share of the scattered ray (I3).
   [[nodiscard]] float emission_weight(const Ray& ray) const {
     if (carried_->last_was_specular) return 1.0f;
-    const float light_pdf_w = scene_.lights().pdf_w(ray.origin, ray.direction, distance_, point_);
+    const float light_pdf_w = scene_.lights().pdf_w(carried_->last_receiver, ray.direction, distance_, point_);
+    return power_heuristic(carried_->last_pdf_w, light_pdf_w);
+  }
+  // The same for the environment.
+  [[nodiscard]] float escape_weight(const Ray& ray) const {
+    if (carried_->last_was_specular) return 1.0f;
+    const float light_pdf_w = scene_.lights().escaped_pdf_w(carried_->last_receiver, ray.direction);
     return power_heuristic(carried_->last_pdf_w, light_pdf_w);
   }
 

@@ -141,8 +141,8 @@ class AnalyticDirect {
 
 // Half of the samples on the lights, half of the directions cosine-distributed, combined by the balance
 // heuristic (Veach 1997, section 9.2.2): neither small nor huge nor touching lights are a problem.
-C3d sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed, std::uint32_t element,
-                       std::uint64_t& rays) {
+C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMesh& mesh, std::uint32_t seed,
+                       std::uint32_t element, std::uint64_t& rays) {
   constexpr std::uint32_t samples = 64;
   const ElementSampler sample(mesh, element);
   C3d sum(0.0);
@@ -151,7 +151,7 @@ C3d sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_
     const ElementPoint point = sample(sampler.next_2d());
     const V3f start = point.ray_position(), normal(point.normal);
 
-    const LightSample light = scene.lights().sample(start, sampler.next_2d());
+    const LightSample light = lights.sample({start, normal, true}, sampler.next_2d());
     const float cosine = light.direction.dot(normal);
     if (light.pdf_w > 0.0f && cosine > 0.0f && !is_black(light.radiance)) {
       ++rays;
@@ -168,7 +168,7 @@ C3d sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_
     const float cosine_seen = direction.dot(normal);
     const C3f& radiance = scene.emitted_radiance(seen);
     if (cosine_seen > 0.0f && !is_black(radiance))
-      sum += C3d(radiance) * (cosine_seen / (scene.lights().pdf_w(start, direction, hit.t, seen) +
+      sum += C3d(radiance) * (cosine_seen / (lights.pdf_w({start, normal, true}, direction, hit.t, seen) +
                                              cosine_hemisphere_pdf_w(cosine_seen)));
   }
   return sum * (1.0 / samples);
@@ -187,7 +187,8 @@ DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, 
   }
   DirectIrradiance direct;
   direct.irradiance.assign(mesh.count(), C3d(0.0));
-  if (scene.lights().empty()) return direct;
+  const Lights lights(scene.shapes());  // without the sky
+  if (lights.empty()) return direct;
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
     throw_if_interrupted();
@@ -196,7 +197,7 @@ DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, 
       if (!(mesh.area(i) > 0.0)) continue;
       // Buried points receive nothing: the exposed ones have it all.
       direct.irradiance[i] =
-          sampled_irradiance(scene, mesh, seed, i, own_rays) * (mesh.whole_area(i) / mesh.area(i));
+          sampled_irradiance(scene, lights, mesh, seed, i, own_rays) * (mesh.whole_area(i) / mesh.area(i));
     }
     rays_cast += own_rays;
   });

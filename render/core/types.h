@@ -15,6 +15,7 @@
 namespace twopass {
 
 using V2f = Imath::V2f;
+using V2d = Imath::V2d;
 using V2i = Imath::V2i;
 using V3f = Imath::V3f;
 using V3d = Imath::V3d;

@@ -2,6 +2,7 @@
 // angle, _a area.
 #pragma once
 
+#include <array>
 #include <bit>
 
 #include "render/core/types.h"
@@ -58,6 +59,23 @@ inline V3f square_to_cone(const V2f& u, float one_minus_cos_max) {
   return {around.x, around.y, 1.0f - one_minus_z};
 }
 inline float cone_pdf_w(float one_minus_cos_max) { return 1.0f / (2.0f * pi_f * one_minus_cos_max); }
+
+/// Point of the unit square with a density that is bilinear between its corners; their weights, >= 0 and not
+/// all zero, in the order (0,0), (1,0), (1,1), (0,1).
+inline V2f square_to_bilinear(const V2f& u, const std::array<float, 4>& weight) {
+  const auto linear = [](float at, float a, float b) {
+    const float root = std::sqrt((1.0f - at) * a * a + at * b * b);
+    return a + root > 0.0f ? std::min(1.0f, at * (a + b) / (a + root)) : at;
+  };
+  const float x = linear(u.x, weight[0] + weight[3], weight[1] + weight[2]);
+  return {x, linear(u.y, weight[0] + x * (weight[1] - weight[0]), weight[3] + x * (weight[2] - weight[3]))};
+}
+/// The density of square_to_bilinear() per unit of the square's area.
+inline float bilinear_pdf_a(const V2f& p, const std::array<float, 4>& weight) {
+  const float below = weight[0] + p.x * (weight[1] - weight[0]),
+              above = weight[3] + p.x * (weight[2] - weight[3]);
+  return 4.0f * (below + p.y * (above - below)) / (weight[0] + weight[1] + weight[2] + weight[3]);
+}
 
 /// Point of the spherical triangle (a, b, c), uniform in solid angle (Arvo 1995). a, b, c are unit vectors; the
 /// result is one too. REQUIRES: a triangle of non-zero solid angle, smaller than a hemisphere.

@@ -2,10 +2,14 @@
 
 #include "render/core/warp.h"
 #include "render/scene/geometry.h"
+#include "render/scene/parametrization.h"
+#include "render/scene/polygon_view.h"
 
 namespace twopass {
 
 namespace {
+
+const LightSample nothing{V3f(0.0f), V3f(0.0f, 0.0f, 1.0f), C3f(0.0f), 0.0f, false};
 
 // 1 - cos of the half angle of the cone that a sphere fills, seen from outside at squared distance d2. No
 // cancellation.
@@ -21,96 +25,236 @@ bool sees_cone(float radius, float d2) { return d2 > 1.001f * radius * radius; }
 // The side of a sphere that faces the outside.
 Side outside(const Sphere& sphere) { return sphere.inward ? back : front; }
 
+// How much one side of a polygon or sphere matters, by its power.
+float power_of(const Shape& shape, double area) {
+  const double exitance = pi * (mean_component(shape.radiance[front]) + mean_component(shape.radiance[back]));
+  return static_cast<float>(exitance * area);
+}
+
+LightBounds bounds_of(const LightPolygon& polygon, const Shape& shape) {
+  LightBounds bounds;
+  for (int i = 0; i < polygon.corners; ++i) bounds.box.extendBy(polygon.corner[i]);
+  const bool front_is_dark = is_black(shape.radiance[front]);
+  bounds.axis = V3f(front_is_dark ? -polygon.normal : polygon.normal);
+  bounds.cos_cone = 1.0f;
+  bounds.is_two_sided = !front_is_dark && !is_black(shape.radiance[back]);
+  bounds.power = power_of(shape, polygon.area);
+  return bounds;
+}
+
+// The place of a punctual light; nothing if it is infinitely far away.
+std::optional<V3f> place_of(const PunctualLight& light) {
+  return std::visit(
+      [](const auto& kind) -> std::optional<V3f> {
+        if constexpr (requires { kind.position; })
+          return kind.position;
+        else
+          return std::nullopt;
+      },
+      light);
+}
+
 }  // namespace
 
-Lights::Lights(std::span<const Shape> shapes) : shapes_(shapes), first_entry_(shapes.size(), no_index) {
-  std::vector<double> power;
-  for (std::uint32_t s = 0; s < shapes.size(); ++s) {
-    const Shape& shape = shapes[s];
-    if (!is_emitter(shape)) continue;
-    const double exitance = pi * (mean_component(shape.radiance[front]) + mean_component(shape.radiance[back]));
-    first_entry_[s] = static_cast<std::uint32_t>(entries_.size());
-    const auto add = [&](Entry entry, double area) {
-      entry.pdf_a = static_cast<float>(1.0 / area);
-      entries_.push_back(entry);
-      power.push_back(exitance * area);
-    };
-    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-      add({s, 0.0f, rounding_offset(*sphere), {}, {}, {}, {}}, 4.0 * pi * sphere->radius * sphere->radius);
-      continue;
-    }
-    const Mesh& mesh = std::get<Mesh>(shape.geometry);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const auto p = corners(mesh, i);
-      const V3f e1 = p[1] - p[0], e2 = p[2] - p[0];
-      add({s, 0.0f, rounding_offset(p), p[0], e1, e2, unit(e1.cross(e2))},
-          0.5 * V3d(e1).cross(V3d(e2)).length());
-    }
-  }
-  choice_ = DiscreteDistribution(power);
-  if (choice_.empty()) return;
-  for (std::uint32_t i = 0; i < entries_.size(); ++i) entries_[i].pdf_a *= choice_.probability(i);
+const Environment& Lights::no_environment() {
+  static const Environment black;
+  return black;
 }
 
-LightSample Lights::sample(const V3f& receiver, const V2f& u) const {
-  const DiscreteDistribution::Choice choice = choice_.sample(u.x);
-  const Entry& entry = entries_[choice.index];
-  const Shape& shape = shapes_[entry.shape];
-  const V2f v(choice.remapped, u.y);
+Lights::Lights(std::span<const Shape> shapes, std::span<const PunctualLight> punctual,
+               const Environment& environment, const Box3f& bounds)
+    : shapes_(shapes), punctual_(punctual), environment_(&environment), first_(shapes.size(), no_index) {
+  if (!bounds.isEmpty()) {
+    center_ = bounds.min + (bounds.max - bounds.min) * 0.5f;
+    radius_ = 0.5f * (bounds.max - bounds.min).length();
+  }
+  std::vector<LightBounds> light_bounds;
+  for (std::uint32_t s = 0; s < shapes.size(); ++s)
+    if (is_emitter(shapes[s])) add_shape(s, light_bounds);
+  std::vector<double> weights;  // of the distant lights
+  for (std::uint32_t i = 0; i < punctual.size(); ++i) add_punctual(i, light_bounds, weights);
+  if (!environment.is_black()) {
+    const double area = pi * radius_ * radius_;
+    weights.push_back(pi * mean_component(environment.mean_radiance()) * (area > 0.0 ? area : 1.0));
+    distant_.push_back(no_index);
+  }
+  tree_ = LightTree(light_bounds);
+  if (distant_.empty()) return;
+  distant_choice_ = DiscreteDistribution(weights);
+  if (distant_.back() == no_index)
+    environment_probability_ = distant_choice_.probability(static_cast<std::uint32_t>(distant_.size() - 1));
+  distant_share_ = entries_.empty() ? 1.0f : 0.5f;
+}
 
-  V3f position, normal = entry.normal;  // the normal of the front
-  if (std::holds_alternative<Mesh>(shape.geometry)) {
-    const V2f b = square_to_triangle(v);
-    position = entry.corner + entry.edge1 * b.x + entry.edge2 * b.y;
+void Lights::add_shape(std::uint32_t s, std::vector<LightBounds>& bounds) {
+  const Shape& shape = shapes_[s];
+  first_[s] = static_cast<std::uint32_t>(entry_of_.size());
+  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    LightBounds all_around;
+    all_around.box = Box3f(sphere->center - V3f(sphere->radius), sphere->center + V3f(sphere->radius));
+    all_around.power = power_of(shape, 4.0 * pi * sphere->radius * sphere->radius);
+    entry_of_.push_back(all_around.power > 0.0f ? static_cast<std::uint32_t>(entries_.size()) : no_index);
+    if (!(all_around.power > 0.0f)) return;
+    entries_.push_back({s, SphereLight{}});
+    bounds.push_back(all_around);
+    return;
+  }
+  const Mesh& mesh = std::get<Mesh>(shape.geometry);
+  entry_of_.resize(entry_of_.size() + mesh.triangles.size(), no_index);
+  for (const LightPolygon& polygon : light_polygons(mesh)) {
+    const LightBounds polygon_bounds = bounds_of(polygon, shape);
+    if (!(polygon_bounds.power > 0.0f)) continue;
+    for (int i = 0; i + 2 < polygon.corners; ++i)
+      entry_of_[first_[s] + polygon.triangles[i]] = static_cast<std::uint32_t>(entries_.size());
+    entries_.push_back({s, polygon});
+    bounds.push_back(polygon_bounds);
+  }
+}
+
+void Lights::add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds, std::vector<double>& weights) {
+  const double emitted = power(punctual_[index], radius_ > 0.0f ? radius_ : 1.0);
+  if (!(emitted > 0.0)) return;
+  if (const std::optional<V3f> place = place_of(punctual_[index])) {
+    LightBounds all_around;
+    all_around.box = Box3f(*place);
+    all_around.power = static_cast<float>(emitted);
+    entries_.push_back({no_index, Punctual{index}});
+    bounds.push_back(all_around);
+  } else {
+    distant_.push_back(index);
+    weights.push_back(emitted);
+  }
+}
+
+C3f Lights::radiance(const Entry& entry, Side side, const V3f& position) const {
+  const Shape& shape = shapes_[entry.shape];
+  if (!shape.radiance_texture || side == back) return shape.radiance[side];
+  V2f uv;
+  if (const auto* polygon = std::get_if<LightPolygon>(&entry.kind)) {
+    const Mesh& mesh = std::get<Mesh>(shape.geometry);
+    std::uint32_t triangle = polygon->triangles[0];
+    V2f at = barycentric_at(mesh, triangle, position);
+    if (polygon->corners == 4 && std::min({at.x, at.y, 1.0f - at.x - at.y}) < 0.0f) {
+      triangle = polygon->triangles[1];
+      at = barycentric_at(mesh, triangle, position);
+    }
+    uv = parametrization(mesh, triangle, at, V3f(polygon->normal)).uv;
   } else {
     const Sphere& sphere = std::get<Sphere>(shape.geometry);
-    const V3f to_center = sphere.center - receiver;
-    const float d2 = to_center.dot(to_center);
-    const float sign = sphere.inward ? -1.0f : 1.0f;
-    if (sees_cone(sphere.radius, d2)) {
-      const float spread = one_minus_cos_max(sphere.radius, d2);
-      const V3f direction = Frame(to_center * (1.0f / std::sqrt(d2))).to_world(square_to_cone(v, spread));
-      double near, far;
-      // Rounding can make a grazing direction miss: the nearest point of the line is then on the sphere to
-      // rounding.
-      if (!intersect_sphere(sphere, receiver, direction, near, far)) near = to_center.dot(direction);
-      const V3f outward = (V3f(V3d(receiver) + V3d(direction) * near) - sphere.center).normalized();
-      position = sphere.center + outward * (sphere.radius + entry.offset);
-      return {position, direction, shape.radiance[outside(sphere)], choice.probability * cone_pdf_w(spread)};
-    }
-    const V3f outward = square_to_sphere(v);
-    position = sphere.center + outward * sphere.radius;
-    normal = outward * sign;
+    const V3f outward = unit(position - sphere.center);
+    uv = parametrization(sphere, sphere.inward ? -outward : outward).uv;
   }
-
-  const V3f to_light = position - receiver;
-  const float d2 = to_light.dot(to_light);
-  if (!(d2 > 0.0f)) return {position, V3f(0.0f, 0.0f, 1.0f), C3f(0.0f), 0.0f};
-  const V3f direction = to_light * (1.0f / std::sqrt(d2));
-  const float cosine = -direction.dot(normal);
-  const Side side = cosine >= 0.0f ? front : back;
-  const V3f toward_receiver = side == front ? normal : -normal;
-  if (cosine == 0.0f) return {position, direction, C3f(0.0f), 0.0f};
-  return {position + toward_receiver * entry.offset, direction, shape.radiance[side],
-          entry.pdf_a * d2 / std::abs(cosine)};
+  return color_at(*shape.radiance_texture, uv);
 }
 
-float Lights::pdf_w(const V3f& receiver, const V3f& direction, float distance,
-                    const SurfacePoint& point) const {
-  const std::uint32_t first = first_entry_[point.shape];
-  if (first == no_index) return 0.0f;
-  const Shape& shape = shapes_[point.shape];
-  if (is_black(shape.radiance[point.side])) return 0.0f;
-  const std::uint32_t entry = first + point.primitive;
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    const V3f to_center = sphere->center - receiver;
-    const float d2 = to_center.dot(to_center);
-    if (sees_cone(sphere->radius, d2))
-      return choice_.probability(entry) * cone_pdf_w(one_minus_cos_max(sphere->radius, d2));
+LightSample Lights::sample(const Receiver& receiver, const V2f& u) const {
+  V2f v = u;
+  if (distant_share_ > 0.0f) {
+    if (v.x < distant_share_) return sample_distant(receiver, {v.x / distant_share_, v.y});
+    v.x = (v.x - distant_share_) / (1.0f - distant_share_);
   }
+  LightTree::Choice choice{0, 1.0f, v.x};
+  if (entries_.size() > 1) choice = tree_.sample(receiver, v);
+  if (!(choice.probability > 0.0f)) return nothing;
+  v.x = choice.remapped;
+  const Entry& entry = entries_[choice.light];
+  LightSample drawn =
+      std::visit([&](const auto& kind) { return sample_of(entry, kind, receiver, v); }, entry.kind);
+  drawn.pdf_w *= choice.probability * (1.0f - distant_share_);
+  return drawn;
+}
+
+LightSample Lights::sample_of(const Entry& entry, const LightPolygon& polygon, const Receiver& receiver,
+                              const V2f& u) const {
+  const double height = polygon.normal.dot(V3d(receiver.position) - V3d(polygon.corner[0]));
+  const Side side = height >= 0.0 ? front : back;
+  if (is_black(shapes_[entry.shape].radiance[side])) return nothing;
+  const PolygonView::Point point = PolygonView(polygon, receiver).sample(u);
+  const auto clear = static_cast<float>(side == front ? polygon.offset : -polygon.offset);
+  return {point.position + V3f(polygon.normal) * clear, point.direction, radiance(entry, side, point.position),
+          point.pdf_w, false};
+}
+
+LightSample Lights::sample_of(const Entry& entry, SphereLight, const Receiver& receiver, const V2f& u) const {
+  const Sphere& sphere = std::get<Sphere>(shapes_[entry.shape].geometry);
+  const V3f to_center = sphere.center - receiver.position;
+  const float d2 = to_center.dot(to_center), offset = rounding_offset(sphere);
+  if (sees_cone(sphere.radius, d2)) {
+    const float spread = one_minus_cos_max(sphere.radius, d2);
+    const V3f direction = Frame(to_center * (1.0f / std::sqrt(d2))).to_world(square_to_cone(u, spread));
+    double near, far;
+    // Rounding can make a grazing direction miss: the nearest point of the line is then on the sphere to
+    // rounding.
+    if (!intersect_sphere(sphere, receiver.position, direction, near, far)) near = to_center.dot(direction);
+    const V3f outward = (V3f(V3d(receiver.position) + V3d(direction) * near) - sphere.center).normalized();
+    return {sphere.center + outward * (sphere.radius + offset), direction,
+            radiance(entry, outside(sphere), sphere.center + outward * sphere.radius), cone_pdf_w(spread),
+            false};
+  }
+  const V3f outward = square_to_sphere(u);
+  const V3f position = sphere.center + outward * sphere.radius, to_light = position - receiver.position;
+  const float length2 = to_light.dot(to_light), cosine_times_length = to_light.dot(outward);
+  if (!(length2 > 0.0f) || cosine_times_length == 0.0f) return nothing;
+  const float length = std::sqrt(length2), pdf_a = 1.0f / (4.0f * pi_f * sphere.radius * sphere.radius);
+  const bool from_inside = cosine_times_length > 0.0f;
+  const Side side = from_inside == sphere.inward ? front : back;
+  return {position + outward * (from_inside ? -offset : offset), to_light * (1.0f / length),
+          radiance(entry, side, position), pdf_a * length2 * length / std::abs(cosine_times_length), false};
+}
+
+LightSample Lights::sample_of(const Entry&, Punctual punctual, const Receiver& receiver, const V2f&) const {
+  return sample_punctual(punctual.index, receiver);
+}
+
+LightSample Lights::sample_punctual(std::uint32_t index, const Receiver& receiver) const {
+  const Illumination light = illumination(punctual_[index], receiver.position);
+  if (is_black(light.irradiance)) return nothing;
+  const V3f position = std::isfinite(light.distance) ? receiver.position + light.direction * light.distance
+                                                     : far_away(receiver, light.direction);
+  return {position, light.direction, light.irradiance, 1.0f, true};
+}
+
+LightSample Lights::sample_distant(const Receiver& receiver, const V2f& u) const {
+  const DiscreteDistribution::Choice choice = distant_choice_.sample(std::min(u.x, 0x1.fffffep-1f));
+  if (distant_[choice.index] != no_index) {
+    LightSample drawn = sample_punctual(distant_[choice.index], receiver);
+    drawn.pdf_w *= choice.probability * distant_share_;
+    return drawn;
+  }
+  const EnvironmentSample drawn = environment_->sample({choice.remapped, u.y});
+  return {far_away(receiver, drawn.direction), drawn.direction, drawn.radiance,
+          drawn.pdf_w * choice.probability * distant_share_, false};
+}
+
+// A point outside of everything, not further than need be.
+V3f Lights::far_away(const Receiver& receiver, const V3f& direction) const {
+  const float reach = (receiver.position - center_).length() + 2.0f * radius_;
+  return receiver.position + direction * (reach > 0.0f ? reach : 1.0f);
+}
+
+float Lights::pdf_w(const Receiver& receiver, const V3f& direction, float distance,
+                    const SurfacePoint& point) const {
+  const std::uint32_t first = first_[point.shape];
+  if (first == no_index) return 0.0f;
+  const std::uint32_t index = entry_of_[first + point.primitive];
+  const Shape& shape = shapes_[point.shape];
+  if (index == no_index || is_black(shape.radiance[point.side])) return 0.0f;
+  float probability = 1.0f - distant_share_;
+  if (entries_.size() > 1) probability *= tree_.probability(receiver, index);
+  if (const auto* polygon = std::get_if<LightPolygon>(&entries_[index].kind))
+    return probability * PolygonView(*polygon, receiver).pdf_w(direction, distance);
+  const Sphere& sphere = std::get<Sphere>(shape.geometry);
+  const V3f to_center = sphere.center - receiver.position;
+  const float d2 = to_center.dot(to_center);
+  if (sees_cone(sphere.radius, d2)) return probability * cone_pdf_w(one_minus_cos_max(sphere.radius, d2));
   const float cosine = std::abs(direction.dot(point.geometric_normal));
   if (cosine == 0.0f) return 0.0f;
-  return entries_[entry].pdf_a * distance * distance / cosine;
+  return probability * distance * distance / (4.0f * pi_f * sphere.radius * sphere.radius * cosine);
+}
+
+float Lights::escaped_pdf_w(const Receiver&, const V3f& direction) const {
+  if (environment_probability_ == 0.0f) return 0.0f;
+  return environment_->pdf_w(direction) * environment_probability_ * distant_share_;
 }
 
 }  // namespace twopass

@@ -1,12 +1,17 @@
-// Sampling points on the emitting shapes, for next-event estimation.
+// All that shines in a scene, drawn for next-event estimation.
 #pragma once
 
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "render/core/distribution.h"
+#include "render/scene/environment.h"
+#include "render/scene/light_polygon.h"
+#include "render/scene/light_tree.h"
+#include "render/scene/punctual_light.h"
 #include "render/scene/ray.h"
-#include "render/scene/shape.h"
+#include "render/scene/receiver.h"
 
 namespace twopass {
 
@@ -14,38 +19,72 @@ namespace twopass {
 struct LightSample {
   V3f position;   ///< clear of the light's own surface: a shadow ray may end here
   V3f direction;  ///< unit, from the receiver to the light
-  C3f radiance;   ///< towards the receiver
-  float pdf_w;    ///< density of the direction in solid angle at the receiver; 0: nothing to be had
+  C3f radiance;   ///< towards the receiver; of a delta light, irradiance of a surface that faces it, W/m2
+  float pdf_w;    ///< density of the direction in solid angle at the receiver, of a delta light the
+                  ///< probability of having chosen it; 0: nothing to be had
+  bool is_delta;  ///< a punctual light: no ray meets it, so its weight is 1
 };
 
-/// All emitting triangles and spheres, chosen in proportion to their power. Triangles are sampled uniformly in
-/// area, spheres uniformly in the solid angle that they fill.
+/// Emitting polygons and spheres, punctual lights and the environment. What is at a finite place is chosen by a
+/// tree (L7), what is infinitely far away takes a fixed share (L8). Const and thread-safe.
 class Lights {
  public:
-  /// REQUIRES: the shapes outlive the lights.
-  explicit Lights(std::span<const Shape> shapes);
+  /// `bounds` hold everything that can receive light. REQUIRES: all arguments outlive the lights.
+  Lights(std::span<const Shape> shapes, std::span<const PunctualLight> punctual, const Environment& environment,
+         const Box3f& bounds);
+  /// Emitting shapes alone. REQUIRES: the shapes outlive the lights.
+  explicit Lights(std::span<const Shape> shapes) : Lights(shapes, {}, no_environment(), Box3f()) {}
 
-  [[nodiscard]] bool empty() const { return choice_.empty(); }
-  /// Number of emitting triangles and spheres.
-  [[nodiscard]] std::size_t count() const { return entries_.size(); }
-  /// REQUIRES: !empty().
-  [[nodiscard]] LightSample sample(const V3f& receiver, const V2f& u) const;
-  /// The density with which sample(receiver) would choose the direction of `point`, seen at the given distance.
-  /// 0 for points that do not emit towards the receiver.
-  [[nodiscard]] float pdf_w(const V3f& receiver, const V3f& direction, float distance,
+  [[nodiscard]] bool empty() const { return count() == 0; }
+  /// Number of lights that are chosen among: polygons (light_polygons()), spheres, punctual lights and the
+  /// environment.
+  [[nodiscard]] std::size_t count() const { return entries_.size() + distant_.size(); }
+  /// REQUIRES: !empty(), u in [0, 1)^2.
+  [[nodiscard]] LightSample sample(const Receiver& receiver, const V2f& u) const;
+  /// The density with which sample() draws the direction of `point`, seen from the receiver at `distance`. 0
+  /// for points that do not emit towards the receiver.
+  [[nodiscard]] float pdf_w(const Receiver& receiver, const V3f& direction, float distance,
                             const SurfacePoint& point) const;
+  /// The density with which sample() draws `direction` towards the environment.
+  [[nodiscard]] float escaped_pdf_w(const Receiver& receiver, const V3f& direction) const;
 
  private:
+  struct SphereLight {};  // all is in the shape
+  struct Punctual {       // at a finite place
+    std::uint32_t index;
+  };
   struct Entry {
     std::uint32_t shape;
-    float pdf_a;  ///< of choosing this entry and a point of it
-    float offset;
-    V3f corner, edge1, edge2, normal;  // of a triangle's front; unused for a sphere
+    std::variant<LightPolygon, SphereLight, Punctual> kind;
   };
+  static const Environment& no_environment();
+  void add_shape(std::uint32_t s, std::vector<LightBounds>& bounds);
+  void add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds, std::vector<double>& weights);
+  /// Radiance that a point of the light sends to the side on which the receiver is.
+  [[nodiscard]] C3f radiance(const Entry& entry, Side side, const V3f& position) const;
+  [[nodiscard]] LightSample sample_of(const Entry& entry, const LightPolygon& polygon, const Receiver& receiver,
+                                      const V2f& u) const;
+  [[nodiscard]] LightSample sample_of(const Entry& entry, SphereLight, const Receiver& receiver,
+                                      const V2f& u) const;
+  [[nodiscard]] LightSample sample_of(const Entry& entry, Punctual punctual, const Receiver& receiver,
+                                      const V2f& u) const;
+  [[nodiscard]] LightSample sample_distant(const Receiver& receiver, const V2f& u) const;
+  [[nodiscard]] LightSample sample_punctual(std::uint32_t index, const Receiver& receiver) const;
+  [[nodiscard]] V3f far_away(const Receiver& receiver, const V3f& direction) const;
+
   std::span<const Shape> shapes_;
+  std::span<const PunctualLight> punctual_;
+  const Environment* environment_;
+  V3f center_{0.0f};
+  float radius_ = 0.0f;  // of a sphere around the bounds
   std::vector<Entry> entries_;
-  std::vector<std::uint32_t> first_entry_;  // by shape; no_index where it does not emit
-  DiscreteDistribution choice_;
+  LightTree tree_;                       // over the entries
+  std::vector<std::uint32_t> first_;     // by shape, into entry_of_: no_index where it does not emit
+  std::vector<std::uint32_t> entry_of_;  // by primitive of the emitting shapes; no_index: without area
+  std::vector<std::uint32_t> distant_;   // punctual lights infinitely far away; no_index: the environment
+  DiscreteDistribution distant_choice_;
+  float environment_probability_ = 0.0f;  // among the distant ones
+  float distant_share_ = 0.0f;            // how often one of them is chosen
 };
 
 }  // namespace twopass

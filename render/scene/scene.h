@@ -34,6 +34,7 @@ class Scene {
   [[nodiscard]] const RayCaster& caster() const { return caster_; }
   [[nodiscard]] const Lights& lights() const { return lights_; }
   [[nodiscard]] const C3f& sky() const { return description_.sky; }
+  [[nodiscard]] const Environment& environment() const { return environment_; }
   [[nodiscard]] const Box3f& bounds() const { return bounds_; }
 
   /// What the ray hit. REQUIRES: !hit.escaped(). Inline, below: every vertex of every path calls it.
@@ -76,6 +77,7 @@ class Scene {
   std::vector<std::vector<Face>> faces_;  // by shape and triangle
   Box3f bounds_;
   RayCaster caster_;
+  Environment environment_;
   Lights lights_;
   bool has_see_through_;
 };

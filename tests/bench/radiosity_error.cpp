@@ -44,8 +44,9 @@ std::optional<SurfacePoint> surface_at(const Scene& scene, const ElementPoint& a
 
 C3d direct_light(const Scene& scene, const V3f& start, const V3f& normal, std::uint32_t key) {
   C3d sum(0.0);
-  for (std::uint32_t k = 0; k < light_samples && !scene.lights().empty(); ++k) {
-    const LightSample light = scene.lights().sample(start, Sampler(key, 1, k).next_2d());
+  const Lights lights(scene.shapes());  // the sky is found by the gather rays
+  for (std::uint32_t k = 0; k < light_samples && !lights.empty(); ++k) {
+    const LightSample light = lights.sample({start, normal, true}, Sampler(key, 1, k).next_2d());
     const float cosine = light.direction.dot(normal);
     if (light.pdf_w > 0.0f && cosine > 0.0f && !scene.caster().occluded(start, light.position))
       sum += C3d(light.radiance) * static_cast<double>(cosine / light.pdf_w);

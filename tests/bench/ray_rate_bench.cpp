@@ -76,7 +76,7 @@ std::vector<Query> recorded_rays() {
       if (hit.escaped()) break;
       const SurfacePoint p = scene().surface_point(ray, hit);
       const Bsdf& bsdf = scene().side(p).uniform();
-      const LightSample light = scene().lights().sample(p.position, sampler.next_2d());
+      const LightSample light = scene().lights().sample(receiver_at(p, bsdf), sampler.next_2d());
       const V3f start = spawn_position(p, light.direction);
       if (light.pdf_w > 0.0f && !is_black(light.radiance) && light.direction.dot(p.shading.n) > 0.0f &&
           !is_black(diffuse_reflectance(bsdf)))

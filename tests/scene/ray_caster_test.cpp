@@ -91,7 +91,7 @@ TEST(RayCaster, SegmentsEndBeforeWhatTheyEndOn) {
     Sampler sampler(4, i, 0);
     V3f p = square_to_sphere(sampler.next_2d()) * 10.0f;
     p.z = std::abs(p.z);
-    blocked += caster.occluded(p, lights.sample(p, sampler.next_2d()).position);
+    blocked += caster.occluded(p, lights.sample({p, V3f(0, 0, 1), false}, sampler.next_2d()).position);
   }
   EXPECT_EQ(blocked, 0);
 }

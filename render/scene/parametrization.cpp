@@ -1,0 +1,51 @@
+#include "render/scene/parametrization.h"
+
+#include "render/core/frame.h"
+
+namespace twopass {
+
+Parametrization parametrization(const Mesh& mesh, std::uint32_t triangle, const V2f& barycentric,
+                                const V3f& normal) {
+  const Frame any(normal);
+  Parametrization result{barycentric, any.s, any.t};
+  if (mesh.uvs.empty()) return result;
+  const V3u& index = mesh.triangles[triangle];
+  const V2f uv0 = mesh.uvs[index.x], duv1 = mesh.uvs[index.y] - uv0, duv2 = mesh.uvs[index.z] - uv0;
+  result.uv = uv0 + duv1 * barycentric.x + duv2 * barycentric.y;
+  const float determinant = duv1.x * duv2.y - duv1.y * duv2.x;
+  const float inverse = 1.0f / determinant;
+  if (determinant == 0.0f || !std::isfinite(inverse)) return result;
+  const auto p = corners(mesh, triangle);
+  const V3f e1 = p[1] - p[0], e2 = p[2] - p[0];
+  result.dp_du = (e1 * duv2.y - e2 * duv1.y) * inverse;
+  result.dp_dv = (e2 * duv1.x - e1 * duv2.x) * inverse;
+  return result;
+}
+
+Parametrization parametrization(const Sphere& sphere, const V3f& normal) {
+  const V3f outward = sphere.inward ? -normal : normal;
+  const V3f &ax = sphere.axes[0], &ay = sphere.axes[1], &az = sphere.axes[2];
+  const float x = outward.dot(ax), y = outward.dot(ay), z = outward.dot(az);
+  const float around = std::atan2(y, x);
+  const Frame any(normal);
+  Parametrization result{V2f((around < 0.0f ? around + 2.0f * pi_f : around) / (2.0f * pi_f),
+                             std::acos(std::clamp(z, -1.0f, 1.0f)) / pi_f),
+                         any.s, any.t};
+  const float rho = std::sqrt(x * x + y * y);
+  if (!(rho > 0.0f)) return result;
+  result.dp_du = (ay * x - ax * y) * (2.0f * pi_f * sphere.radius);
+  result.dp_dv = ((ax * x + ay * y) * (z / rho) - az * rho) * (pi_f * sphere.radius);
+  return result;
+}
+
+V2f barycentric_at(const Mesh& mesh, std::uint32_t triangle, const V3f& position) {
+  const auto p = corners(mesh, triangle);
+  const V3d e1 = V3d(p[1]) - V3d(p[0]), e2 = V3d(p[2]) - V3d(p[0]), d = V3d(position) - V3d(p[0]);
+  const double d11 = e1.dot(e1), d12 = e1.dot(e2), d22 = e2.dot(e2), b1 = d.dot(e1), b2 = d.dot(e2);
+  const double determinant = d11 * d22 - d12 * d12;
+  if (!(determinant > 0.0)) return {0.0f, 0.0f};
+  return {static_cast<float>((d22 * b1 - d12 * b2) / determinant),
+          static_cast<float>((d11 * b2 - d12 * b1) / determinant)};
+}
+
+}  // namespace twopass
