@@ -10,22 +10,28 @@ namespace twopass {
 
 namespace {
 
-/// Fraction of the light from the direction with this cosine that facets reflect, averaged over a Fibonacci
-/// lattice of n points, n and m successive Fibonacci numbers.
-double reflectance(const MicrofacetDistribution& surface, float cosine, float eta, int n, int m) {
+/// Fractions of the light from the direction with this cosine that facets reflect and transmit, averaged over a
+/// Fibonacci lattice of n points, n and m successive Fibonacci numbers. The rest meets more than one facet.
+struct Fractions {
+  double reflected = 0.0, transmitted = 0.0;
+};
+Fractions fractions(const MicrofacetDistribution& surface, float cosine, float eta, int n, int m) {
   const V3f wo(std::sqrt(1.0f - cosine * cosine), 0.0f, cosine);
-  double sum = 0.0;
+  Fractions sum;
   for (int i = 0; i < n; ++i) {
     const auto index = static_cast<std::int64_t>(i);
     const V2f u((static_cast<float>(i) + 0.5f) / static_cast<float>(n),
                 static_cast<float>(index * m % n) / static_cast<float>(n));
-    const V3f normal = surface.sample(wo, u), wi = reflect(wo, normal);
-    if (!(wi.z > 0.0f)) continue;
+    const V3f normal = surface.sample(wo, u), mirrored = reflect(wo, normal);
+    const float wo_m = std::clamp(wo.dot(normal), 0.0f, 1.0f);
     float cos_t;
-    sum += surface.sample_weight(wo, wi, normal) *
-           fresnel_dielectric(std::clamp(wo.dot(normal), 0.0f, 1.0f), eta, cos_t);
+    const float fresnel = fresnel_dielectric(wo_m, eta, cos_t);
+    if (mirrored.z > 0.0f) sum.reflected += fresnel * surface.sample_weight(wo, mirrored, normal);
+    const V3f refracted = normal * (wo_m / eta - cos_t) - wo * (1.0f / eta);
+    if (refracted.z < 0.0f && fresnel < 1.0f)
+      sum.transmitted += (1.0f - fresnel) * surface.sample_weight(wo, refracted, normal);
   }
-  return sum / n;
+  return {sum.reflected / n, sum.transmitted / n};
 }
 
 /// 2 int_0^1 T(mu) mu dmu of the piecewise linear table.
@@ -43,8 +49,8 @@ CoatTable compute(Microfacet distribution, float alpha, float eta) {
   double internal = 0.0;
   for (int i = 0; i < CoatTable::size; ++i) {
     const float cosine = std::max(1e-6f, static_cast<float>(i) / (CoatTable::size - 1));
-    table.transmittance[i] = static_cast<float>(1.0 - reflectance(surface, cosine, eta, 987, 610));
-    internal += cosine * reflectance(surface, cosine, 1.0f / eta, 2584, 1597);
+    table.transmittance[i] = static_cast<float>(fractions(surface, cosine, eta, 987, 610).transmitted);
+    internal += cosine * fractions(surface, cosine, 1.0f / eta, 2584, 1597).reflected;
   }
   // The mean over the table's nodes as Mitsuba 3 takes it, which is 1.6 % below the integral: its rough plastic
   // is a little darker than that integral makes it.
