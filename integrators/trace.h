@@ -42,6 +42,12 @@ class Bundle {
     for (std::size_t i = 0; i < arriving; ++i) {
       const std::uint8_t lane = lanes_[i];
       if (!walk.arrive(samples_[lane], carried_[lane], rays_[i], hits_[i], edges)) continue;
+      if (walk.is_hole()) {
+        walk.pass(rays_[i]);
+        lanes_[live_] = lane;
+        rays_[live_++] = walk.next_ray();
+        continue;
+      }
       const bool goes_on = at_vertex(walk);
       if (const auto& connection = walk.connection()) {
         segments_[connected_] = connection->segment;
@@ -56,6 +62,11 @@ class Bundle {
   }
 
   void add_unoccluded() {
+    if (scene_.has_see_through()) {
+      for (std::size_t i = 0; i < connected_; ++i)
+        samples_[light_[i].lane].seen.radiance += light_[i].radiance * scene_.transmittance(segments_[i]);
+      return;
+    }
     scene_.caster().occluded({segments_.data(), connected_}, occluded_);
     for (std::size_t i = 0; i < connected_; ++i)
       if (!occluded_[i]) samples_[light_[i].lane].seen.radiance += light_[i].radiance;

@@ -22,8 +22,9 @@ bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
 void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
   trace_bundles(scene_, limits_, samples, counts, [this](Walk& walk) {
     if (is_specular(walk.bsdf())) return walk.leave();
-    // Only the end of a gather ray may be looked up: of a path that has left a diffuse vertex.
-    if (walk.has_sampled_lights() && resolves(walk.point(), walk.distance())) {
+    // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
+    if (walk.gathers() && std::holds_alternative<Diffuse>(walk.bsdf()) &&
+        resolves(walk.point(), walk.distance())) {
       walk.add(reflected_radiance(walk.bsdf(), solution_->irradiance(walk.point())));
       return false;
     }

@@ -62,6 +62,24 @@ void Scene::add_parametrization(SurfacePoint& point, const Shape& shape, const V
   point.shading.t = n.cross(point.shading.s);
 }
 
+float Scene::transmittance(const Segment& segment) const {
+  float share = 1.0f;
+  V3f from = segment.from;
+  // Sheets as near as rounding could hold a ray forever.
+  constexpr int most_sheets = 1000;
+  for (int sheet = 0; sheet < most_sheets && caster_.occluded(from, segment.to); ++sheet) {
+    const V3f to_end = segment.to - from;
+    const Ray ray{from, unit(to_end)};
+    const Hit hit = caster_.intersect(ray);
+    if (hit.escaped() || hit.t * hit.t >= to_end.dot(to_end)) return share;  // rounding: the queries disagree
+    const SurfacePoint point = surface_point(ray, hit);
+    share *= side(point).transparency(point.uv);
+    if (share == 0.0f) return 0.0f;
+    from = spawn_position(point, ray.direction);
+  }
+  return share;
+}
+
 Bsdf Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u) {
   ShadingGeometry at{.uv = point.uv,
                      .dp_du = point.dp_du,

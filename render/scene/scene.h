@@ -59,6 +59,9 @@ class Scene {
     if (shape.radiance_texture && point.side == front) return color_at(*shape.radiance_texture, point.uv);
     return shape.radiance[point.side];
   }
+  /// The share of light that passes along the open segment, in [0, 1]: through masks, where there are some.
+  /// REQUIRES: both ends are clear of their own surfaces.
+  [[nodiscard]] float transmittance(const Segment& segment) const;
   /// Whether light passes straight through some surfaces: shadow rays must look at what they meet.
   [[nodiscard]] bool has_see_through() const { return has_see_through_; }
 
