@@ -40,7 +40,6 @@ struct Principled {
   /// Hemispherical average of the diffuse and sheen lobes, at most 1.
   [[nodiscard]] C3f diffuse_reflectance() const;
   [[nodiscard]] bool is_specular() const { return false; }
-  /// The parameters that may vary over the surface.
   template <class Self, class Visit>
   static void visit_parameters(Self& self, Visit&& visit) {
     visit("base_color", self.base_color);
@@ -54,6 +53,11 @@ struct Principled {
     visit("flatness", self.flatness);
     visit("clearcoat", self.clearcoat);
     visit("clearcoat_gloss", self.clearcoat_gloss);
+    visit("eta", self.eta);
+    visit("diffuse_reflectance_sampling_rate", self.diffuse_reflectance_sampling_rate);
+    visit("main_specular_sampling_rate", self.main_specular_sampling_rate);
+    visit("clearcoat_sampling_rate", self.clearcoat_sampling_rate);
+    visit("inside", self.inside);
   }
 
  private:

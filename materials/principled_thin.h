@@ -44,6 +44,10 @@ struct PrincipledThin {
     visit("sheen_tint", self.sheen_tint);
     visit("flatness", self.flatness);
     visit("diff_trans", self.diff_trans);
+    visit("diffuse_reflectance_sampling_rate", self.diffuse_reflectance_sampling_rate);
+    visit("specular_reflectance_sampling_rate", self.specular_reflectance_sampling_rate);
+    visit("specular_transmittance_sampling_rate", self.specular_transmittance_sampling_rate);
+    visit("diffuse_transmittance_sampling_rate", self.diffuse_transmittance_sampling_rate);
   }
 
  private:

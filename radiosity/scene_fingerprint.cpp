@@ -26,17 +26,16 @@ class Hash {
   std::uint64_t state_ = 0;
 };
 
-// What decides how a model scatters. A new model does not compile without its own.
-void add_model(Hash& hash, const Diffuse& model) { hash.add(model.reflectance); }
-void add_model(Hash& hash, const Conductor& model) {
-  hash.add(model.eta);
-  hash.add(model.k);
-  hash.add(model.specular_reflectance);
-}
-void add_model(Hash& hash, const Dielectric& model) {
-  hash.add(model.eta);
-  hash.add(model.specular_reflectance);
-  hash.add(model.specular_transmittance);
+// What decides how a model scatters: all its parameters.
+template <class Model>
+void add_model(Hash& hash, const Model& model) {
+  Model::visit_parameters(model, [&](std::string_view, const auto& value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, float> || std::is_base_of_v<V3f, Value>)
+      hash.add(value);
+    else
+      hash.add(static_cast<std::uint64_t>(value));  // a choice
+  });
 }
 
 void add_geometry(Hash& hash, const Mesh& mesh) {

@@ -28,6 +28,7 @@ const Case cases[] = {
     {"glass", Dielectric{}},
     {"glass_inside", Dielectric{1.0f / 1.5f, C3f(1.0f), C3f(1.0f)}},
     {"tinted_glass", Dielectric{1.5f, C3f(0.9f), C3f(0.1f, 0.5f, 0.9f)}},
+    {"principled_thin", PrincipledThin{}},
 };
 
 V3f direction(float cos_theta, float phi) {
