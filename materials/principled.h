@@ -58,6 +58,7 @@ struct Principled {
     visit("diffuse_reflectance_sampling_rate", self.diffuse_reflectance_sampling_rate);
     visit("main_specular_sampling_rate", self.main_specular_sampling_rate);
     visit("clearcoat_sampling_rate", self.clearcoat_sampling_rate);
+    visit("inside", self.inside);
   }
 
  private:

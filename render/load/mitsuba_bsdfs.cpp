@@ -77,20 +77,28 @@ Material read_metal(Properties& p, const Context& context) {
   return material_of(p.id_or(p.type()), ModelReader(p, context.textures, {"eta", "k"}).read(metal));
 }
 
+bool may_differ_from_zero(Properties& p, std::string_view name) {
+  const XmlNode* node = p.element(name, {});
+  return node && (node->tag == "texture" || *p.number(name) != 0.0);
+}
+
 template <class Model>
 Material read_principled(Properties& p, const Context& context) {
   Model model{};
   if (p.has("eta") && p.has("specular"))
     throw Error(p.where("specular"), "both 'eta' and 'specular' are given", "give one of them");
-  if (const auto specular = p.number("specular")) {
+  // As in Mitsuba, what may let light through has some step of the index of refraction.
+  const bool may_transmit = may_differ_from_zero(p, "spec_trans");
+  if (std::optional<double> specular = p.number("specular")) {
     if (!(*specular >= 0.0 && *specular <= 1.0))
       throw Error(p.where("specular"), "specular is out of range", "must be between 0 and 1");
+    if (may_transmit && *specular == 0.0) specular = 1e-3;
     model.eta = eta_of_specular(static_cast<float>(*specular));
-  } else {
-    // A material that lets light through cannot have the index of what is around it.
-    if (p.has("eta")) model.eta = read_ior(p, "eta", "vacuum");
+  } else if (p.has("eta")) {
+    model.eta = read_ior(p, "eta", "vacuum");
+    if (may_transmit && model.eta == 1.0f) model.eta = 1.001f;
   }
-  return material_of(p.id_or(p.type()), ModelReader(p, context.textures, {"eta"}).read(model));
+  return material_of(p.id_or(p.type()), ModelReader(p, context.textures, {"eta", "inside"}).read(model));
 }
 
 const XmlNode& only_bsdf(Properties& p) {
