@@ -9,9 +9,12 @@
 
 namespace twopass {
 
-/// What the caller knows of rays that it casts together: coherent ones start and point alike, as camera rays
-/// do. It changes the time that they take, not what they hit.
-enum class Rays { coherent, incoherent };
+/// What the caller knows of rays that it casts together. It changes the time that they take, not what they hit.
+enum class Rays {
+  coherent,   ///< they start and point alike, as camera rays do
+  fanned,     ///< they start alike and point anywhere, as rays scattered where camera rays arrived
+  incoherent  ///< neither
+};
 
 /// An acceleration structure over shapes. Const and thread-safe once built.
 class RayCaster {
