@@ -33,10 +33,8 @@ class Bundle {
   }
 
  private:
-  // Camera rays are alike; those scattered by what they meet still start alike; then all is mixed.
-  static Rays kind_of_edge(int edges) {
-    return edges == 1 ? Rays::coherent : edges <= 2 ? Rays::fanned : Rays::incoherent;
-  }
+  // Camera rays are alike; what they meet scatters them.
+  static Rays kind_of_edge(int edges) { return edges == 1 ? Rays::coherent : Rays::scattered; }
   // Takes every live path through the vertex at the end of its edge; those that go on move up in the arrays.
   template <class AtVertex>
   void move(const PathLimits& limits, int edges, const AtVertex& at_vertex) {

@@ -9,11 +9,11 @@
 
 namespace twopass {
 
-/// What the caller knows of rays that it casts together. It changes the time that they take, not what they hit.
+/// What the caller knows of rays that it casts together; it decides on the time that they take. What they hit
+/// is the same but for ties: of two triangles at the same distance either may win.
 enum class Rays {
-  coherent,   ///< they start and point alike, as camera rays do
-  fanned,     ///< they start alike and point anywhere, as rays scattered where camera rays arrived
-  incoherent  ///< neither
+  coherent,  ///< they start and point alike, as camera rays do
+  scattered  ///< they do not
 };
 
 /// An acceleration structure over shapes. Const and thread-safe once built.
