@@ -38,7 +38,7 @@ struct PathLimits {
 
 /// Samples that are traced side by side (I6). Integrators take any number of them; multiples of this many, of
 /// neighbouring rays, are the fastest.
-inline constexpr std::size_t bundle_size = 64;
+inline constexpr std::size_t bundle_size = 256;
 
 class Integrator {
  public:

@@ -18,7 +18,6 @@ class Bundle {
 
   template <class AtVertex>
   void trace(const PathLimits& limits, RayCounts& counts, const AtVertex& at_vertex) {
-    Walk walk(scene_, limits);
     for (live_ = 0; live_ < samples_.size(); ++live_) {
       samples_[live_].seen = {};
       rays_[live_] = samples_[live_].ray;
@@ -26,24 +25,31 @@ class Bundle {
     }
     for (int edges = 1; live_ > 0; ++edges) {
       counts.rays += live_;
-      scene_.caster().intersect({rays_.data(), live_}, hits_, edges == 1 ? Rays::coherent : Rays::incoherent);
-      move(walk, edges, at_vertex);
+      scene_.caster().intersect({rays_.data(), live_}, hits_, kind_of_edge(edges));
+      move(limits, edges, at_vertex);
       counts.shadow_rays += connected_;
       add_unoccluded();
     }
   }
 
  private:
+  // Camera rays are alike; what they meet scatters them.
+  static Rays kind_of_edge(int edges) { return edges == 1 ? Rays::coherent : Rays::scattered; }
   // Takes every live path through the vertex at the end of its edge; those that go on move up in the arrays.
   template <class AtVertex>
-  void move(Walk& walk, int edges, const AtVertex& at_vertex) {
+  void move(const PathLimits& limits, int edges, const AtVertex& at_vertex) {
     const std::size_t arriving = live_;
     live_ = connected_ = 0;
     for (std::size_t i = 0; i < arriving; ++i) {
       const std::uint8_t lane = lanes_[i];
-      if (!walk.arrive(samples_[lane], carried_[lane], rays_[i], hits_[i], edges)) continue;
+      if (hits_[i].escaped()) {
+        escape(scene_, limits, samples_[lane], carried_[lane], rays_[i], edges);
+        continue;
+      }
+      Walk walk(scene_, limits, samples_[lane], carried_[lane], rays_[i], hits_[i], edges);
+      if (!walk.arrive()) continue;
       if (walk.is_hole()) {
-        walk.pass(rays_[i]);
+        walk.pass();
         lanes_[live_] = lane;
         rays_[live_++] = walk.next_ray();
         continue;

@@ -1,6 +1,7 @@
 // A path at one of its vertices: the light that it runs into, and where it may go from there.
 #pragma once
 
+#include "integrators/clamp.h"
 #include "integrators/direct_light.h"
 
 namespace twopass {
@@ -22,62 +23,74 @@ struct Carried {
 /// have at most 1 / pi.
 inline constexpr float broad_lobe_pdf_w = 1.0f;
 
-/// The step that all integrators share, from one vertex to the next. One Walk serves a whole bundle of paths,
-/// one after the other, so that only what they carry is kept for each.
+/// Adds what a path finds that escapes along `ray`, its edge number `edges` (I2).
+inline void escape(const Scene& scene, const PathLimits& limits, PathSample& sample, const Carried& carried,
+                   const Ray& ray, int edges) {
+  const C3f sky = scene.environment().radiance(ray.direction);
+  if (is_black(sky)) return;
+  const float weight = carried.last_was_specular
+                           ? 1.0f
+                           : power_heuristic(carried.last_pdf_w, scene.lights().escaped_pdf_w(
+                                                                     carried.last_receiver, ray.direction));
+  sample.seen.radiance += clamped(carried.throughput * sky * weight, edges - carried.passed, limits);
+}
+
+/// A path at the surface where its edge number `edges` ends: the step that all integrators share.
 class Walk {
  public:
-  Walk(const Scene& scene, const PathLimits& limits) : scene_(scene), limits_(limits) {}
+  /// REQUIRES: !hit.escaped(); everything outlives the walk.
+  Walk(const Scene& scene, const PathLimits& limits, PathSample& sample, Carried& carried, const Ray& ray,
+       const Hit& hit, int edges)
+      : scene_(scene),
+        limits_(limits),
+        sample_(sample),
+        carried_(carried),
+        ray_(ray),
+        edges_(edges - carried.passed),
+        distance_(carried.passed_length + hit.t),
+        point_(scene.surface_point(ray, hit)),
+        bsdf_(&scene.resolve(point_, ray.direction, resolved_, [&sample] { return sample.sampler.next_1d(); })),
+        wo_(point_.shading.to_local(-ray.direction)) {}
 
-  /// Takes up a path at the end of its edge number `edges`, which followed `ray` to `hit`, and adds the light
-  /// met there (I2). False: the path ends, because it escaped or has all the edges that it may have.
-  bool arrive(PathSample& sample, Carried& carried, const Ray& ray, const Hit& hit, int edges) {
-    sample_ = &sample;
-    carried_ = &carried;
-    edges_ = edges - carried.passed;
-    connection_.reset();
-    Seen& seen = sample.seen;
-    if (hit.escaped()) {
-      const C3f sky = scene_.environment().radiance(ray.direction);
-      if (!is_black(sky)) seen.radiance += carried.throughput * sky * escape_weight(ray);
-      return false;
-    }
-    distance_ = carried.passed_length + hit.t;
-    point_ = scene_.surface_point(ray, hit);
-    bsdf_ = &scene_.resolve(point_, ray.direction, resolved_, [&sample] { return sample.sampler.next_1d(); });
-    wo_ = point_.shading.to_local(-ray.direction);
+  /// Adds the light met here (I2). False: the path has all the edges that it may have.
+  bool arrive() {
     const C3f emitted = scene_.emitted_radiance(point_);
     const bool hidden = limits_.hide_emitters && edges_ == 1 && !is_black(emitted);
-    if (edges_ == 1) seen.alpha = hidden || is_hole() ? 0.0f : 1.0f;
-    if (!is_black(emitted) && !hidden) seen.radiance += carried.throughput * emitted * emission_weight(ray);
+    if (edges_ == 1) sample_.seen.alpha = hidden || is_hole() ? 0.0f : 1.0f;
+    if (!is_black(emitted) && !hidden)
+      sample_.seen.radiance += clamped(carried_.throughput * emitted * emission_weight(), edges_, limits_);
     return limits_.max_depth < 0 || edges_ < limits_.max_depth || is_hole();
   }
 
-  /// Adds radiance that leaves the vertex along the path.
-  void add(const C3f& radiance) { sample_->seen.radiance += carried_->throughput * radiance; }
+  /// Adds radiance that leaves the vertex along the path, and is not light met here.
+  void add(const C3f& radiance) {
+    sample_.seen.radiance += clamped(carried_.throughput * radiance, edges_ + 1, limits_);
+  }
 
   /// Samples the lights; what they send along the path is added when the shadow ray has been cast. REQUIRES:
   /// the surface is not purely specular.
   void sample_lights() {
     if (scene_.lights().empty()) return;
-    connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, sample_->sampler);
-    if (connection_) connection_->radiance *= carried_->throughput;
+    connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, sample_.sampler);
+    if (connection_)
+      connection_->radiance = clamped(connection_->radiance * carried_.throughput, edges_ + 1, limits_);
   }
 
   /// Draws the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
   bool leave() {
-    const std::optional<BsdfSample> drawn = twopass::sample(*bsdf_, wo_, sample_->sampler.next_2d());
+    const std::optional<BsdfSample> drawn = twopass::sample(*bsdf_, wo_, sample_.sampler.next_2d());
     if (!drawn) return false;
     const V3f direction = point_.shading.to_world(drawn->wi);
     const float reached = agreement_of_normals(point_, direction, drawn->wi.z);
     if (reached == 0.0f) return false;
-    carried_->throughput *= drawn->weight * reached;
-    carried_->relative_ior *= drawn->eta;
-    carried_->last_pdf_w = drawn->pdf_w;
-    carried_->last_was_specular = drawn->is_specular;
-    carried_->passed_length = 0.0f;
+    carried_.throughput *= drawn->weight * reached;
+    carried_.relative_ior *= drawn->eta;
+    carried_.last_pdf_w = drawn->pdf_w;
+    carried_.last_was_specular = drawn->is_specular;
+    carried_.passed_length = 0.0f;
     if (!drawn->is_specular) {
-      carried_->gathers = drawn->pdf_w < broad_lobe_pdf_w;
-      carried_->last_receiver = receiver_at(point_, *bsdf_);
+      carried_.gathers = drawn->pdf_w < broad_lobe_pdf_w;
+      carried_.last_receiver = receiver_at(point_, *bsdf_);
     }
     next_ray_ = {spawn_position(point_, direction), direction};
     return edges_ < limits_.rr_depth || survives();
@@ -85,11 +98,11 @@ class Walk {
 
   /// There is nothing here but a mask's hole: light passes straight through.
   [[nodiscard]] bool is_hole() const { return std::holds_alternative<Null>(*bsdf_); }
-  /// Goes on in the same direction, as if there were no surface. `ray` led here.
-  void pass(const Ray& ray) {
-    ++carried_->passed;
-    carried_->passed_length = distance_;
-    next_ray_ = {spawn_position(point_, ray.direction), ray.direction};
+  /// Goes on in the same direction, as if there were no surface.
+  void pass() {
+    ++carried_.passed;
+    carried_.passed_length = distance_;
+    next_ray_ = {spawn_position(point_, ray_.direction), ray_.direction};
   }
 
   [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
@@ -98,48 +111,43 @@ class Walk {
   [[nodiscard]] float distance() const { return distance_; }
   /// Whether what is seen here is blurred by the lobe that led here, with or without mirrors and glass in
   /// between.
-  [[nodiscard]] bool gathers() const { return carried_->gathers; }
+  [[nodiscard]] bool gathers() const { return carried_.gathers; }
   /// The light sampled at this vertex, if any.
   [[nodiscard]] const std::optional<Connection>& connection() const { return connection_; }
-  /// The next edge. REQUIRES: leave() was true.
+  /// The next edge. REQUIRES: leave() was true, or pass() was called.
   [[nodiscard]] const Ray& next_ray() const { return next_ray_; }
 
  private:
   // All of the light where the last vertex could not have sampled it (the camera, a specular vertex), else the
   // share of the scattered ray (I3).
-  [[nodiscard]] float emission_weight(const Ray& ray) const {
-    if (carried_->last_was_specular) return 1.0f;
-    const float light_pdf_w = scene_.lights().pdf_w(carried_->last_receiver, ray.direction, distance_, point_);
-    return power_heuristic(carried_->last_pdf_w, light_pdf_w);
-  }
-  // The same for the environment.
-  [[nodiscard]] float escape_weight(const Ray& ray) const {
-    if (carried_->last_was_specular) return 1.0f;
-    const float light_pdf_w = scene_.lights().escaped_pdf_w(carried_->last_receiver, ray.direction);
-    return power_heuristic(carried_->last_pdf_w, light_pdf_w);
+  [[nodiscard]] float emission_weight() const {
+    if (carried_.last_was_specular) return 1.0f;
+    const float light_pdf_w = scene_.lights().pdf_w(carried_.last_receiver, ray_.direction, distance_, point_);
+    return power_heuristic(carried_.last_pdf_w, light_pdf_w);
   }
 
   // The square of the index of refraction undoes the compression of radiance inside glass: it is no loss of
   // importance.
   bool survives() {
-    C3f& throughput = carried_->throughput;
-    const float ior = carried_->relative_ior;
+    C3f& throughput = carried_.throughput;
+    const float ior = carried_.relative_ior;
     const float survival = std::min(max_component(throughput) * ior * ior, 0.95f);
-    if (sample_->sampler.next_1d() >= survival) return false;
+    if (sample_.sampler.next_1d() >= survival) return false;
     throughput *= 1.0f / survival;
     return true;
   }
 
   const Scene& scene_;
   const PathLimits& limits_;
-  PathSample* sample_ = nullptr;
-  Carried* carried_ = nullptr;
-  Bsdf resolved_;  // the model, where it varies over the surface
-  const Bsdf* bsdf_ = nullptr;
+  PathSample& sample_;
+  Carried& carried_;
+  const Ray& ray_;  // that led here
+  int edges_;
+  float distance_;
   SurfacePoint point_;
+  Bsdf resolved_;  // the model, where it varies over the surface
+  const Bsdf* bsdf_;
   V3f wo_;  // towards where the path came from, local
-  float distance_ = 0.0f;
-  int edges_ = 0;
   std::optional<Connection> connection_;
   Ray next_ray_;
 };

@@ -9,9 +9,12 @@
 
 namespace twopass {
 
-/// What the caller knows of rays that it casts together: coherent ones start and point alike, as camera rays
-/// do. It changes the time that they take, not what they hit.
-enum class Rays { coherent, incoherent };
+/// What the caller knows of rays that it casts together; it decides on the time that they take. What they hit
+/// is the same but for ties: of two triangles at the same distance either may win.
+enum class Rays {
+  coherent,  ///< they start and point alike, as camera rays do
+  scattered  ///< they do not
+};
 
 /// An acceleration structure over shapes. Const and thread-safe once built.
 class RayCaster {

@@ -22,23 +22,29 @@ namespace {
 constexpr int size = 512;
 constexpr std::uint32_t samples_per_pixel = 4, pixels_drawn = 1 << 14;
 
+// A scene without a camera is seen from its middle, one without lamps is lit by the sky.
 struct BenchScene {
-  explicit BenchScene(LoadedScene loaded)
-      : camera(loaded.scene.camera ? *loaded.scene.camera : framing_camera(bounds_of(loaded.scene.shapes)),
-               size, size),
-        scene(std::move(loaded.scene)) {}
-  Camera camera;
+  explicit BenchScene(SceneDescription description)
+      : scene(lit(std::move(description))), camera(camera_of(scene), size, size) {}
   Scene scene;
+  Camera camera;
+
+ private:
+  static SceneDescription lit(SceneDescription description) {
+    if (std::none_of(description.shapes.begin(), description.shapes.end(), is_emitter))
+      description.sky = C3f(1.0f);
+    return description;
+  }
+  static CameraDescription camera_of(const Scene& scene) {
+    if (scene.description().camera) return *scene.description().camera;
+    const V3d middle(scene.bounds().center());
+    return {look_at(middle, middle + V3d(1, 0, 0), {0, 0, 1}, "bench"), 80.0, FovAxis::x};
+  }
 };
-// Loaded once. A scene of triangles without lamps is lit by the sky.
 const BenchScene& bench_scene(const std::string& file) {
   static std::map<std::string, std::unique_ptr<BenchScene>> all;
   auto& one = all[file];
-  if (!one) {
-    LoadedScene loaded = load_scene(TWOPASS_SOURCE_DIR + file, {});
-    if (file.ends_with(".obj")) loaded.scene.sky = C3f(1.0f);
-    one = std::make_unique<BenchScene>(std::move(loaded));
-  }
+  if (!one) one = std::make_unique<BenchScene>(load_scene(TWOPASS_SOURCE_DIR + file, {}).scene);
   return *one;
 }
 

@@ -145,7 +145,7 @@ struct Crowd {
 TEST(RayCaster, PacketsFindWhatSingleRaysFind) {
   const Crowd crowd;
   const RayCaster caster(crowd.shapes);
-  for (const Rays kind : {Rays::coherent, Rays::incoherent}) {
+  for (const Rays kind : {Rays::coherent, Rays::scattered}) {
     std::size_t found = 0, size = 1;
     for (std::size_t first = 0; first < crowd.rays.size(); first += size, size = size % 70 + 1) {
       const auto rays = std::span(crowd.rays).subspan(first, std::min(size, crowd.rays.size() - first));
