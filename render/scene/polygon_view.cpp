@@ -66,6 +66,7 @@ PolygonTechnique choose(const LightPolygon& polygon, const Receiver& receiver, c
   // drawing directions does, among all the other noise that a path has. Comparisons fail for what is not a
   // number, next to a corner.
   constexpr float most_uneven = 0.2f, most_bent = 0.5f;
+  if (f.largest <= 0.0f) return PolygonTechnique::area;  // below the horizon: whatever is cheap
   if (f.least > 0.0f && f.largest - f.least <= most_uneven * f.mean) return PolygonTechnique::area;
   if (f.least > 0.0f && polygon.is_parallelogram && std::abs(f.middle - f.mean) <= most_bent * f.mean)
     return PolygonTechnique::bilinear;
