@@ -18,6 +18,7 @@ float integrand(const V3f& to_light, const Receiver& receiver, float per_scale2)
 struct Integrand {
   std::array<float, 4> corner;
   float least, largest, mean, middle;
+  float reach2;  // squared distance of the farthest corner from the middle, over that of the receiver
 };
 
 Integrand integrand_over(const LightPolygon& polygon, const Receiver& receiver) {
@@ -31,12 +32,14 @@ Integrand integrand_over(const LightPolygon& polygon, const Receiver& receiver) 
   to_middle *= share;
   const float per_scale2 = 1.0f / to_middle.dot(to_middle);
   const float middle = integrand(to_middle, receiver, per_scale2);
-  Integrand f{{}, middle, middle, 0.0f, middle};
+  Integrand f{{}, middle, middle, 0.0f, middle, 0.0f};
   for (int i = 0; i < polygon.corners; ++i) {
     const float value = f.corner[i] = integrand(to_corner[i], receiver, per_scale2);
     f.least = std::min(f.least, value);
     f.largest = std::max(f.largest, value);
     f.mean += value * share;
+    const V3f across = to_corner[i] - to_middle;
+    f.reach2 = std::max(f.reach2, across.dot(across) * per_scale2);
   }
   return f;
 }
@@ -67,8 +70,11 @@ PolygonTechnique choose(const LightPolygon& polygon, const Receiver& receiver, c
   // number, next to a corner.
   constexpr float most_uneven = 0.2f, most_bent = 0.5f;
   if (f.largest <= 0.0f) return PolygonTechnique::area;  // below the horizon: whatever is cheap
-  if (f.least > 0.0f && f.largest - f.least <= most_uneven * f.mean) return PolygonTechnique::area;
-  if (f.least > 0.0f && polygon.is_parallelogram && std::abs(f.middle - f.mean) <= most_bent * f.mean)
+  // Within the polygon's reach the integrand may peak between the places where it was looked at.
+  const bool is_away = f.reach2 < 0.7f;
+  if (is_away && f.least > 0.0f && f.largest - f.least <= most_uneven * f.mean) return PolygonTechnique::area;
+  if (is_away && f.least > 0.0f && polygon.is_parallelogram &&
+      std::abs(f.middle - f.mean) <= most_bent * f.mean)
     return PolygonTechnique::bilinear;
   return receiver.is_diffuse ? PolygonTechnique::projected : PolygonTechnique::solid_angle;
 }
