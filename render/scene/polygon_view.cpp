@@ -7,9 +7,9 @@ namespace twopass {
 namespace {
 
 // What the receiver gets from a unit of the light's area at `to_light`, but for factors common to all points.
-// `scale2` is any squared length of the size of the distances, against overflow.
-float integrand(const V3f& to_light, const Receiver& receiver, float scale2) {
-  const float d2 = to_light.dot(to_light) / scale2;
+// `per_scale2` is one over any squared length of the size of the distances, against overflow.
+float integrand(const V3f& to_light, const Receiver& receiver, float per_scale2) {
+  const float d2 = to_light.dot(to_light) * per_scale2;
   if (!receiver.is_diffuse) return 1.0f / (d2 * std::sqrt(d2));
   return std::max(0.0f, to_light.dot(receiver.normal)) / (d2 * d2);
 }
@@ -18,6 +18,7 @@ float integrand(const V3f& to_light, const Receiver& receiver, float scale2) {
 struct Integrand {
   std::array<float, 4> corner;
   float least, largest, mean, middle;
+  float reach2;  // squared distance of the farthest corner from the middle, over that of the receiver
 };
 
 Integrand integrand_over(const LightPolygon& polygon, const Receiver& receiver) {
@@ -29,14 +30,16 @@ Integrand integrand_over(const LightPolygon& polygon, const Receiver& receiver) 
   }
   const float share = polygon.corners == 4 ? 0.25f : 1.0f / 3.0f;
   to_middle *= share;
-  const float scale2 = to_middle.dot(to_middle);
-  const float middle = integrand(to_middle, receiver, scale2);
-  Integrand f{{}, middle, middle, 0.0f, middle};
+  const float per_scale2 = 1.0f / to_middle.dot(to_middle);
+  const float middle = integrand(to_middle, receiver, per_scale2);
+  Integrand f{{}, middle, middle, 0.0f, middle, 0.0f};
   for (int i = 0; i < polygon.corners; ++i) {
-    const float value = f.corner[i] = integrand(to_corner[i], receiver, scale2);
+    const float value = f.corner[i] = integrand(to_corner[i], receiver, per_scale2);
     f.least = std::min(f.least, value);
     f.largest = std::max(f.largest, value);
     f.mean += value * share;
+    const V3f across = to_corner[i] - to_middle;
+    f.reach2 = std::max(f.reach2, across.dot(across) * per_scale2);
   }
   return f;
 }
@@ -61,26 +64,44 @@ V3f uniform_point(const LightPolygon& polygon, const V2f& u) {
 // them: then points are drawn after all.
 constexpr double least_solid_angle = 1e-9;
 
+PolygonTechnique choose(const LightPolygon& polygon, const Receiver& receiver, const Integrand& f) {
+  // Relative errors of taking the integrand for constant and for bilinear: beyond, the noise costs more than
+  // drawing directions does, among all the other noise that a path has. Comparisons fail for what is not a
+  // number, next to a corner.
+  constexpr float most_uneven = 0.2f, most_bent = 0.5f;
+  if (f.largest <= 0.0f) return PolygonTechnique::area;  // below the horizon: whatever is cheap
+  // Within the polygon's reach the integrand may peak between the places where it was looked at.
+  const bool is_away = f.reach2 < 0.7f;
+  if (is_away && f.least > 0.0f && f.largest - f.least <= most_uneven * f.mean) return PolygonTechnique::area;
+  if (is_away && f.least > 0.0f && polygon.is_parallelogram &&
+      std::abs(f.middle - f.mean) <= most_bent * f.mean)
+    return PolygonTechnique::bilinear;
+  return receiver.is_diffuse ? PolygonTechnique::projected : PolygonTechnique::solid_angle;
+}
+
 }  // namespace
 
 PolygonTechnique choose_technique(const LightPolygon& polygon, const Receiver& receiver) {
+  return choose(polygon, receiver, integrand_over(polygon, receiver));
+}
+
+PolygonView::PolygonView(const LightPolygon& polygon, const Receiver& receiver)
+    : polygon_(polygon), receiver_(receiver), height_(-polygon.normal.dot(to_corner(0))) {
   const Integrand f = integrand_over(polygon, receiver);
-  // Relative errors of taking the integrand for bilinear and for constant: beyond, the noise costs more than
-  // drawing directions does. Comparisons fail for what is not a number, next to a corner.
-  constexpr float most_bent = 0.1f, most_uneven = 0.2f;
-  if (f.least > 0.0f && polygon.is_parallelogram && std::abs(f.middle - f.mean) <= most_bent * f.mean)
-    return PolygonTechnique::bilinear;
-  if (f.least > 0.0f && f.largest - f.least <= most_uneven * f.mean) return PolygonTechnique::area;
-  return receiver.is_diffuse ? PolygonTechnique::projected : PolygonTechnique::solid_angle;
+  prepare(choose(polygon, receiver, f), f.corner);
 }
 
 PolygonView::PolygonView(const LightPolygon& polygon, const Receiver& receiver, PolygonTechnique technique)
     : polygon_(polygon), receiver_(receiver), height_(-polygon.normal.dot(to_corner(0))) {
+  prepare(technique, integrand_over(polygon, receiver).corner);
+}
+
+void PolygonView::prepare(PolygonTechnique technique, const Bilinear& weights) {
   switch (technique) {
     case PolygonTechnique::area:
       break;
     case PolygonTechnique::bilinear:
-      way_ = integrand_over(polygon, receiver).corner;
+      way_ = weights;
       break;
     case PolygonTechnique::solid_angle:
       if (const SolidAngle view = solid_angle(); view.part[0] + view.part[1] > least_solid_angle) way_ = view;

@@ -26,8 +26,7 @@ PolygonTechnique choose_technique(const LightPolygon& polygon, const Receiver& r
 /// receivers.
 class PolygonView {
  public:
-  PolygonView(const LightPolygon& polygon, const Receiver& receiver)
-      : PolygonView(polygon, receiver, choose_technique(polygon, receiver)) {}
+  PolygonView(const LightPolygon& polygon, const Receiver& receiver);
   PolygonView(const LightPolygon& polygon, const Receiver& receiver, PolygonTechnique technique);
 
   /// The side of the polygon that the receiver is on.
@@ -54,6 +53,7 @@ class PolygonView {
     ProjectedPolygon polygon;
   };
   [[nodiscard]] V3d to_corner(int i) const { return V3d(polygon_.corner[i]) - V3d(receiver_.position); }
+  void prepare(PolygonTechnique technique, const Bilinear& weights);
   [[nodiscard]] SolidAngle solid_angle() const;
   [[nodiscard]] Projected projected() const;
   [[nodiscard]] Point at(const V3f& position, float pdf_a) const;

@@ -10,6 +10,29 @@ double linear(double u, double a, double b) {
   return a + root > 0.0 ? std::min(1.0, u * (a + b) / (a + root)) : u;
 }
 
+// The angle in [0, pi] of the point (x, y), y >= 0, to a few units in the last place: half of the time went
+// into the library's. From a multiple of 1/8 of the tangent, the series is short.
+double angle_of(double y, double x) {
+  static const std::array<double, 9> steps = [] {
+    std::array<double, 9> angles;
+    for (int k = 0; k <= 8; ++k) angles[k] = std::atan(k / 8.0);
+    return angles;
+  }();
+  const double width = std::abs(x);
+  const bool is_steep = y > width;
+  const double a = is_steep ? width : y, b = is_steep ? y : width;
+  if (!(b > 0.0)) return 0.0;
+  const int k = static_cast<int>(8.0 * a / b + 0.5);
+  const double step = k * 0.125, z = (a - b * step) / (b + a * step), z2 = z * z;
+  // At |z| <= 1/16 the first omitted term is 6e-20.
+  const double series =
+      1.0 +
+      z2 * (-1.0 / 3 + z2 * (1.0 / 5 + z2 * (-1.0 / 7 + z2 * (1.0 / 9 + z2 * (-1.0 / 11 + z2 * (1.0 / 13))))));
+  double angle = steps[static_cast<std::size_t>(k)] + z * series;
+  if (is_steep) angle = 0.5 * pi - angle;
+  return x < 0.0 ? pi - angle : angle;
+}
+
 // One edge of the outline between two azimuths c0 and c1 (unit vectors of the plane): above the azimuth c0 + t
 // (c1 - c0) it has the direction w(t), linear in t.
 class Arc {
@@ -32,7 +55,7 @@ class Arc {
     const double p = p0_ + t * (p1_ - p0_), y = t * q_, l2 = p * p + y * y;
     if (!(l2 > 0.0)) return {0.0, 0.0, 0.0};
     const double slope = 0.5 * height_ * q_ * p0_ / l2;
-    return {0.5 * height_ * std::atan2(y, p), slope, -2.0 * slope * (p * (p1_ - p0_) + y * q_) / l2};
+    return {0.5 * height_ * angle_of(y, p), slope, -2.0 * slope * (p * (p1_ - p0_) + y * q_) / l2};
   }
   // The squared height above the plane of the arc's point at t; `c2` is the squared length of its azimuth.
   [[nodiscard]] double z2(double t, double c2) const {
@@ -74,7 +97,7 @@ ProjectedPolygon::ProjectedPolygon(std::span<const V3d> corners) {
     const V3d outward = corner_[i].cross(corner_[next(i)]);
     const double sine = outward.length();
     normal_[i] = sine > 0.0 ? outward / sine : V3d(0.0);
-    length_[i] = std::atan2(sine, corner_[i].dot(corner_[next(i)]));
+    length_[i] = angle_of(sine, corner_[i].dot(corner_[next(i)]));
     part_[i] = 0.5 * normal_[i].z * length_[i];
     sum += part_[i];
     // A zenith on the outline counts as inside, where nothing degenerates.
@@ -155,7 +178,7 @@ V3d ProjectedPolygon::sample_beside_zenith(double u, double v) const {
   double lo = 0.0, hi = 1.0, t = 0.5;
   t = linear(fraction, std::max(0.0, width(0.0).slope), std::max(0.0, width(1.0).slope));
   constexpr int most_steps = 30;
-  constexpr double tolerance = 1e-9;
+  constexpr double tolerance = 1e-7;
   for (int step = 0; step < most_steps; ++step) {
     const Arc::Part f = width(t);
     const double excess = f.area - wanted;
