@@ -19,7 +19,7 @@ class Walk {
     ++edges_;
     const Hit hit = scene_.caster().intersect(ray_);
     if (hit.escaped()) {
-      seen.radiance += throughput_ * scene_.sky();
+      seen.radiance += throughput_ * scene_.environment().radiance(ray_.direction);
       return false;
     }
     distance_ = hit.t;

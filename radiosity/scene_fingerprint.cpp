@@ -1,45 +1,25 @@
 #include "radiosity/scene_fingerprint.h"
 
-#include <bit>
-
-#include "render/core/sampler.h"
+#include "render/scene/data_hash.h"
 
 namespace twopass {
 
 namespace {
 
-class Hash {
- public:
-  void add(std::uint64_t word) { state_ = hash_word(state_ * 0x9e3779b97f4a7c15u + word + 1); }
-  void add(float x) { add(std::uint64_t{std::bit_cast<std::uint32_t>(x)}); }
-  void add(const V3f& v) {
-    add(std::uint64_t{std::bit_cast<std::uint32_t>(v.x)} << 32 | std::bit_cast<std::uint32_t>(v.y));
-    add(v.z);
-  }
-  void add(const V3u& v) {
-    add(std::uint64_t{v.x} << 32 | v.y);
-    add(std::uint64_t{v.z});
-  }
-  [[nodiscard]] std::uint64_t value() const { return state_; }
-
- private:
-  std::uint64_t state_ = 0;
-};
-
 // What decides how a model scatters. A new model does not compile without its own.
-void add_model(Hash& hash, const Diffuse& model) { hash.add(model.reflectance); }
-void add_model(Hash& hash, const Conductor& model) {
+void add_model(DataHash& hash, const Diffuse& model) { hash.add(model.reflectance); }
+void add_model(DataHash& hash, const Conductor& model) {
   hash.add(model.eta);
   hash.add(model.k);
   hash.add(model.specular_reflectance);
 }
-void add_model(Hash& hash, const Dielectric& model) {
+void add_model(DataHash& hash, const Dielectric& model) {
   hash.add(model.eta);
   hash.add(model.specular_reflectance);
   hash.add(model.specular_transmittance);
 }
 
-void add_geometry(Hash& hash, const Mesh& mesh) {
+void add_geometry(DataHash& hash, const Mesh& mesh) {
   hash.add(std::uint64_t{mesh.positions.size()});
   for (const V3f& p : mesh.positions) hash.add(p);
   hash.add(std::uint64_t{mesh.normals.size()});
@@ -47,7 +27,7 @@ void add_geometry(Hash& hash, const Mesh& mesh) {
   hash.add(std::uint64_t{mesh.triangles.size()});
   for (const V3u& t : mesh.triangles) hash.add(t);
 }
-void add_geometry(Hash& hash, const Sphere& sphere) {
+void add_geometry(DataHash& hash, const Sphere& sphere) {
   hash.add(sphere.center);
   hash.add(sphere.radius);
   hash.add(std::uint64_t{sphere.inward});
@@ -56,7 +36,7 @@ void add_geometry(Hash& hash, const Sphere& sphere) {
 }  // namespace
 
 std::uint64_t scene_fingerprint(const Scene& scene) {
-  Hash hash;
+  DataHash hash;
   hash.add(std::uint64_t{scene.shapes().size()});
   for (const Shape& shape : scene.shapes()) {
     hash.add(std::uint64_t{shape.geometry.index()});
@@ -67,7 +47,9 @@ std::uint64_t scene_fingerprint(const Scene& scene) {
     }
     for (const C3f& radiance : shape.radiance) hash.add(radiance);
   }
-  hash.add(scene.sky());
+  hash.add(std::uint64_t{scene.punctual_lights().size()});
+  for (const PunctualLight& light : scene.punctual_lights()) hash.add(fingerprint(light));
+  hash.add(scene.environment().fingerprint());
   return hash.value();
 }
 

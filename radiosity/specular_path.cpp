@@ -33,6 +33,7 @@ SpecularPathEnd follow_specular(const Scene& scene, Ray ray, SurfacePoint point,
     if (hit.escaped() || !is_specular(scene.bsdf(point))) {
       end.weight = carried == Carried::radiance ? power * radiance_scale : power;
       end.point = point;
+      end.direction = ray.direction;
       return end;
     }
   }

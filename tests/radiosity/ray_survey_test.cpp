@@ -40,7 +40,7 @@ TEST(RaySurvey, CountsFollowTheAnalyticFormFactors) {
 
 TEST(RaySurvey, SeesTheSkyThroughAnOpening) {
   SceneDescription description = test::plates(1.0f, 0.5f);
-  description.sky = C3f(2.0f, 1.0f, 0.5f);
+  description.environment = Environment(C3f(2.0f, 1.0f, 0.5f));
   const Scene scene(std::move(description));
   const ElementMesh mesh = divide_surfaces(scene, 0);
   const RaySurvey survey = survey_with_rays(scene, mesh, 1 << 14, 1);
