@@ -155,7 +155,7 @@ Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityO
 FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
                             FormFactorMethod method, Keep keep, RadiosityStats& stats) {
   // The survey only says what is buried and open, unless it stands for the light of the sky or of mirrors.
-  const bool is_light = !is_black(scene.sky()) || keep == Keep::links;
+  const bool is_light = !scene.environment().is_black() || keep == Keep::links;
   std::uint32_t rays = rays_of_a_million(mesh.count(), is_light ? 64 : 16, 1024);
   if (keep == Keep::links && options.rays_per_element) rays = options.rays_per_element;
   RaySurvey survey = survey_with_rays(scene, mesh, rays, options.seed, keep);

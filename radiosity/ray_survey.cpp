@@ -15,7 +15,7 @@ namespace {
 // What the rays of one element have found besides their landings.
 struct Finding {
   std::vector<SpecularLink> links;
-  C3d sky{0.0};  // sum over rays of what they carry from the sky, in units of its radiance
+  C3d sky{0.0};  // sum over rays of what they carry from the sky, W/(m2 sr)
 };
 
 constexpr double smallest_exposed = 1.0 / 16.0;
@@ -82,7 +82,7 @@ class ElementSurvey {
   std::uint32_t cast(const Ray& ray, const V3f& normal, float size, Sampler& sampler, Finding& finding,
                      std::uint64_t& rays) const {
     const Landing landing = element_rays_.cast(ray, normal, size, sampler, rays);
-    if (landing.kind == Landing::in_the_sky) finding.sky += C3d(1.0);
+    if (landing.kind == Landing::in_the_sky) finding.sky += C3d(scene_.environment().radiance(ray.direction));
     if (landing.kind == Landing::on_specular) follow(ray, landing.point, sampler, finding, rays);
     return code_of(landing);
   }
@@ -94,7 +94,7 @@ class ElementSurvey {
     rays += end.rays;
     if (is_black(end.weight)) return;
     if (end.escaped) {
-      finding.sky += C3d(end.weight);
+      finding.sky += C3d(end.weight * scene_.environment().radiance(end.direction));
       return;
     }
     const std::uint32_t element = mesh_.find(end.point);
@@ -188,7 +188,7 @@ RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uin
       survey.shares[i] = {share_of(landings, 0, RaySurvey::on_lamp - 1),
                           share_of(landings, RaySurvey::on_specular, RaySurvey::on_specular),
                           share_of(landings, RaySurvey::in_the_sky, RaySurvey::in_the_sky)};
-      survey.sky[i] = C3f(finding.sky * C3d(scene.sky()) * pi);
+      survey.sky[i] = C3f(finding.sky * pi);
       if (keep != Keep::totals) links[i] = std::move(finding.links);
     }
     tally.rays += rays;

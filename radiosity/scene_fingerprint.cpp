@@ -1,32 +1,12 @@
 #include "radiosity/scene_fingerprint.h"
 
-#include <bit>
-
-#include "render/core/sampler.h"
+#include "render/scene/data_hash.h"
 
 namespace twopass {
 
 namespace {
 
-class Hash {
- public:
-  void add(std::uint64_t word) { state_ = hash_word(state_ * 0x9e3779b97f4a7c15u + word + 1); }
-  void add(float x) { add(std::uint64_t{std::bit_cast<std::uint32_t>(x)}); }
-  void add(const V3f& v) {
-    add(std::uint64_t{std::bit_cast<std::uint32_t>(v.x)} << 32 | std::bit_cast<std::uint32_t>(v.y));
-    add(v.z);
-  }
-  void add(const V3u& v) {
-    add(std::uint64_t{v.x} << 32 | v.y);
-    add(std::uint64_t{v.z});
-  }
-  [[nodiscard]] std::uint64_t value() const { return state_; }
-
- private:
-  std::uint64_t state_ = 0;
-};
-
-void add_model(Hash& hash, const Bsdf& bsdf) {
+void add_model(DataHash& hash, const Bsdf& bsdf) {
   hash.add(std::uint64_t{bsdf.index()});
   std::visit(
       [&]<class Model>(const Model& model) {
@@ -40,61 +20,61 @@ void add_model(Hash& hash, const Bsdf& bsdf) {
       bsdf);
 }
 
-void add_uv_transform(Hash& hash, const UvTransform& m) {
+void add_uv_transform(DataHash& hash, const UvTransform& m) {
   for (const float x : {m.a, m.b, m.c, m.d, m.e, m.f}) hash.add(x);
 }
-void add_texture_kind(Hash& hash, const C3f& color) { hash.add(color); }
-void add_texture_kind(Hash& hash, const Checkerboard& checkerboard) {
+void add_texture_kind(DataHash& hash, const C3f& color) { hash.add(color); }
+void add_texture_kind(DataHash& hash, const Checkerboard& checkerboard) {
   hash.add(checkerboard.color0);
   hash.add(checkerboard.color1);
   add_uv_transform(hash, checkerboard.to_uv);
 }
-void add_texture_kind(Hash& hash, const Bitmap& bitmap) {
+void add_texture_kind(DataHash& hash, const Bitmap& bitmap) {
   hash.add(static_cast<std::uint64_t>(bitmap.filter));
   hash.add(static_cast<std::uint64_t>(bitmap.wrap));
   add_uv_transform(hash, bitmap.to_uv);
   hash.add(std::uint64_t(bitmap.image->width) << 32 | std::uint64_t(bitmap.image->height));
   for (const float x : bitmap.image->pixels) hash.add(x);
 }
-void add_texture(Hash& hash, const Texture& texture) {
+void add_texture(DataHash& hash, const Texture& texture) {
   hash.add(std::uint64_t{texture.index()});
   std::visit([&](const auto& kind) { add_texture_kind(hash, kind); }, texture);
 }
 
-void add_node(Hash& hash, const MaterialNode& node);
+void add_node(DataHash& hash, const MaterialNode& node);
 
-void add_node_kind(Hash& hash, const TexturedModel& model) {
+void add_node_kind(DataHash& hash, const TexturedModel& model) {
   add_model(hash, model.bsdf);
   for (const TextureBinding& binding : model.textures) {
     hash.add(std::uint64_t{binding.parameter});
     add_texture(hash, binding.texture);
   }
 }
-void add_node_kind(Hash& hash, const Mixture& mixture) {
+void add_node_kind(DataHash& hash, const Mixture& mixture) {
   add_texture(hash, mixture.weight);
   add_node(hash, *mixture.first);
   add_node(hash, *mixture.second);
 }
-void add_options(Hash& hash, const PerturbedNormal& options) {
+void add_options(DataHash& hash, const PerturbedNormal& options) {
   hash.add(std::uint64_t{options.flip_invalid} << 1 | std::uint64_t{options.soft_terminator});
 }
-void add_node_kind(Hash& hash, const BumpMap& bump) {
+void add_node_kind(DataHash& hash, const BumpMap& bump) {
   add_texture(hash, bump.height);
   hash.add(bump.scale);
   add_options(hash, bump.options);
   add_node(hash, *bump.nested);
 }
-void add_node_kind(Hash& hash, const NormalMap& map) {
+void add_node_kind(DataHash& hash, const NormalMap& map) {
   add_texture(hash, map.normal);
   add_options(hash, map.options);
   add_node(hash, *map.nested);
 }
-void add_node(Hash& hash, const MaterialNode& node) {
+void add_node(DataHash& hash, const MaterialNode& node) {
   hash.add(std::uint64_t{node.kind.index()});
   std::visit([&](const auto& kind) { add_node_kind(hash, kind); }, node.kind);
 }
 
-void add_side(Hash& hash, const MaterialSide& side) {
+void add_side(DataHash& hash, const MaterialSide& side) {
   hash.add(std::uint64_t{side.is_uniform()});
   if (side.is_uniform())
     add_model(hash, side.uniform());
@@ -102,7 +82,7 @@ void add_side(Hash& hash, const MaterialSide& side) {
     add_node(hash, *side.node());
 }
 
-void add_geometry(Hash& hash, const Mesh& mesh) {
+void add_geometry(DataHash& hash, const Mesh& mesh) {
   hash.add(std::uint64_t{mesh.positions.size()});
   for (const V3f& p : mesh.positions) hash.add(p);
   hash.add(std::uint64_t{mesh.normals.size()});
@@ -115,7 +95,7 @@ void add_geometry(Hash& hash, const Mesh& mesh) {
   hash.add(std::uint64_t{mesh.triangles.size()});
   for (const V3u& t : mesh.triangles) hash.add(t);
 }
-void add_geometry(Hash& hash, const Sphere& sphere) {
+void add_geometry(DataHash& hash, const Sphere& sphere) {
   hash.add(sphere.center);
   hash.add(sphere.radius);
   hash.add(std::uint64_t{sphere.inward});
@@ -125,7 +105,7 @@ void add_geometry(Hash& hash, const Sphere& sphere) {
 }  // namespace
 
 std::uint64_t scene_fingerprint(const Scene& scene) {
-  Hash hash;
+  DataHash hash;
   hash.add(std::uint64_t{scene.shapes().size()});
   for (const Shape& shape : scene.shapes()) {
     hash.add(std::uint64_t{shape.geometry.index()});
@@ -134,7 +114,9 @@ std::uint64_t scene_fingerprint(const Scene& scene) {
     for (const C3f& radiance : shape.radiance) hash.add(radiance);
     if (shape.radiance_texture) add_texture(hash, *shape.radiance_texture);
   }
-  hash.add(scene.sky());
+  hash.add(std::uint64_t{scene.punctual_lights().size()});
+  for (const PunctualLight& light : scene.punctual_lights()) hash.add(fingerprint(light));
+  hash.add(scene.environment().fingerprint());
   return hash.value();
 }
 

@@ -8,8 +8,8 @@
 namespace twopass {
 
 /// A hash of everything that a radiosity solution depends on: geometry, shading normals, scattering models,
-/// emission, sky. Names, texture coordinates and the camera do not count, nor does the order of the materials;
-/// that of the shapes and their triangles does. The same on every machine.
+/// emission, punctual lights, environment. Names, texture coordinates and the camera do not count, nor does the
+/// order of the materials; that of the shapes and their triangles does. The same on every machine.
 std::uint64_t scene_fingerprint(const Scene& scene);
 
 }  // namespace twopass

@@ -212,7 +212,8 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options) {
       divide_surfaces(scene, choice.is_adaptive ? choice.max_elements / coarse_part : choice.max_elements);
   RadiosityStats stats;
   stats.max_reflections = options.max_reflections;
-  const bool is_dark = scene.lights().empty() && is_black(scene.sky());
+  const bool is_dark =
+      scene.lights().empty() && scene.environment().is_black() && scene.punctual_lights().empty();
   if (mesh.count() == 0 || is_dark) {
     stats.solver = name_of_value<Solver>(solver_names, choice.solver);
     stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);

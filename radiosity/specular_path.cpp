@@ -35,6 +35,7 @@ SpecularPathEnd follow_specular(const Scene& scene, Ray ray, SurfacePoint point,
     if (hit.escaped() || !scene.side(point).scatters_without_diffusing()) {
       end.weight = carried == Carried::radiance ? power * radiance_scale : power;
       end.point = point;
+      end.direction = ray.direction;
       return end;
     }
   }

@@ -17,8 +17,9 @@ enum class Carried {
 struct SpecularPathEnd {
   C3f weight{0.0f};  ///< carried from end to end; black: absorbed on the way
   bool escaped = true;
-  SurfacePoint point;  ///< of the first surface that is not specular; only if it has not escaped
-  unsigned rays = 0;   ///< cast on the way
+  V3f direction{0.0f};  ///< of the last ray; only if it has escaped
+  SurfacePoint point;   ///< of the first surface that is not specular; only if it has not escaped
+  unsigned rays = 0;    ///< cast on the way
 };
 
 /// Continues a ray that has met a specular surface at `point` through reflections and refractions chosen at

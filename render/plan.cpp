@@ -4,7 +4,7 @@ namespace twopass {
 
 SceneNeeds needs_of(const SceneDescription& scene) {
   SceneNeeds needs;
-  needs.light = !is_black(scene.sky);
+  needs.light = !scene.environment.is_black() || !scene.punctual_lights.empty();
   for (const Shape& shape : scene.shapes) {
     if (is_emitter(shape)) needs.light = true;
     for (const MaterialSide& side : scene.materials[shape.material].side) {

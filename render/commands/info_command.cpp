@@ -55,6 +55,9 @@ ordered_json describe(const LoadedScene& loaded) {
   if (!box.isEmpty())
     bounds = {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
 
+  std::map<std::string, std::size_t> punctual;
+  for (const PunctualLight& light : scene.punctual_lights) ++punctual[kind_name(light)];
+
   const SceneNeeds needs = needs_of(scene);
   const PathLimits limits{loaded.settings.max_depth, loaded.settings.rr_depth, loaded.settings.hide_emitters};
   const IntegratorKind integrator =
@@ -71,7 +74,8 @@ ordered_json describe(const LoadedScene& loaded) {
           {"emitters",
            {{"triangles", emitting_triangles},
             {"spheres", emitting_spheres},
-            {"sky", is_black(scene.sky) ? 0 : 1}}},
+            {"punctual", punctual},
+            {"environment", scene.environment.kind_name()}}},
           {"textures", 0},
           {"bounds", bounds},
           {"size", {loaded.settings.width, loaded.settings.height}},

@@ -1,6 +1,7 @@
 #include "render/commands/scene_options.h"
 
 #include "render/core/error.h"
+#include "render/load/mitsuba_emitters.h"
 
 namespace twopass {
 
@@ -26,10 +27,13 @@ void SceneOptions::add_to(CLI::App& command) {
 }
 
 void SceneOptions::add_sky_to(CLI::App& command) {
-  command.add_option("--sky", sky, "Constant radiance of the sky, R,G,B, for scenes that have none")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::NonNegativeNumber);
+  CLI::Option* constant =
+      command.add_option("--sky", sky, "Constant radiance of the sky, R,G,B, for scenes that have none")
+          ->delimiter(',')
+          ->expected(3)
+          ->check(CLI::NonNegativeNumber);
+  command.add_option("--envmap", envmap, "Picture of the surroundings by latitude and longitude, +y up")
+      ->excludes(constant);
 }
 
 void SceneOptions::add_view_to(CLI::App& command) {
@@ -44,7 +48,8 @@ LoadedScene SceneOptions::load(const Console& console, Framing framing) const {
   LoadedScene loaded = load_scene(file, parse_definitions(definitions));
   for (const std::string& note : loaded.notes) console.note(note);
   SceneDescription& scene = loaded.scene;
-  if (!sky.empty()) scene.sky = C3f(sky[0], sky[1], sky[2]);
+  if (!sky.empty()) scene.environment = Environment(C3f(sky[0], sky[1], sky[2]));
+  if (!envmap.empty()) scene.environment = read_environment_map(envmap, {});
   if (!camera.empty()) {
     const auto vector = [&](int i) { return V3d(camera[i], camera[i + 1], camera[i + 2]); };
     const CameraDescription previous = scene.camera.value_or(CameraDescription{});

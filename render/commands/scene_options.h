@@ -18,6 +18,7 @@ struct SceneOptions {
   std::vector<float> camera;             ///< origin, target, up: 9 numbers
   std::optional<double> fov_degrees;
   std::vector<float> sky;  ///< R, G, B
+  std::string envmap;      ///< file
 
   /// Whether a scene without a camera gets one that frames it.
   enum class Framing { none, automatic };

@@ -3,6 +3,7 @@
 #include "render/core/error.h"
 #include "render/load/mitsuba_bsdfs.h"
 #include "render/load/mitsuba_clip.h"
+#include "render/load/mitsuba_emitters.h"
 #include "render/load/mitsuba_expand.h"
 #include "render/load/mitsuba_properties.h"
 #include "render/load/mitsuba_sensor.h"
@@ -68,15 +69,18 @@ class SceneReader {
   void read_emitter(const XmlNode& node) {
     if (node.get("type") == "area")
       throw Error(node.where(), "emitter 'area' outside of a shape", "move it into the shape that emits");
-    constexpr Named<int> supported[] = {{"constant", 0}, {"area", 0}};
-    plugin_of_type<int>(supported, node);
-    if (sky_)
-      throw Error(node.where(), "a second 'constant' emitter, the first is at " + sky_->where(), "give one");
-    sky_ = &node;
-    Properties p(node, tree_);
-    loaded_.scene.sky = p.color("radiance", ColorUse::emission).value_or(C3f(1.0f));
-    p.ignore({"sampling_weight", "to_world"});  // the same from all directions
-    p.finish();
+    auto emitter = read_mitsuba_emitter(node, tree_);
+    if (auto* light = std::get_if<PunctualLight>(&emitter)) {
+      loaded_.scene.punctual_lights.push_back(std::move(*light));
+      return;
+    }
+    if (environment_)
+      throw Error(
+          node.where(),
+          "a second environment, the first is '" + environment_->get("type") + "' at " + environment_->where(),
+          "give one");
+    environment_ = &node;
+    loaded_.scene.environment = std::get<Environment>(std::move(emitter));
   }
 
   void read_shape(const XmlNode& node) {
@@ -93,7 +97,7 @@ class SceneReader {
   MitsubaMaterials materials_;
   ClipPlanes clip_;
   const XmlNode* integrator_ = nullptr;
-  const XmlNode* sky_ = nullptr;
+  const XmlNode* environment_ = nullptr;
   int shape_count_ = 0;
 };
 

@@ -1,20 +1,75 @@
 #include "render/scene/environment.h"
 
 #include "render/core/warp.h"
+#include "render/scene/data_hash.h"
 
 namespace twopass {
 
 namespace {
+
 constexpr float uniform_pdf_w = 1.0f / (4.0f * pi_f);
+
+// One function for what is the same everywhere, one for what is behind a pointer.
+template <class OfConstant, class OfPointer>
+auto visit_kind(const auto& kind, const OfConstant& of_constant, const OfPointer& of_pointer) {
+  if (const auto* constant = std::get_if<0>(&kind)) return of_constant(*constant);
+  if (const auto* map = std::get_if<1>(&kind)) return of_pointer(**map);
+  return of_pointer(*std::get<2>(kind));
 }
 
-C3f Environment::radiance(const V3f&) const { return constant_; }
+}  // namespace
+
+C3f Environment::radiance(const V3f& direction) const {
+  return visit_kind(
+      kind_, [](const C3f& constant) { return constant; },
+      [&](const auto& lit) { return lit.radiance(direction); });
+}
 
 EnvironmentSample Environment::sample(const V2f& u) const {
-  const V3f direction = square_to_sphere(u);
-  return {direction, radiance(direction), uniform_pdf_w};
+  return visit_kind(
+      kind_,
+      [&](const C3f& constant) {
+        return EnvironmentSample{square_to_sphere(u), constant, uniform_pdf_w};
+      },
+      [&](const auto& lit) {
+        const auto drawn = lit.sample(u);
+        return EnvironmentSample{drawn.direction, drawn.radiance, drawn.pdf_w};
+      });
 }
 
-float Environment::pdf_w(const V3f&) const { return uniform_pdf_w; }
+float Environment::pdf_w(const V3f& direction) const {
+  return visit_kind(
+      kind_, [](const C3f&) { return uniform_pdf_w; }, [&](const auto& lit) { return lit.pdf_w(direction); });
+}
+
+C3f Environment::mean_radiance() const {
+  return visit_kind(
+      kind_, [](const C3f& constant) { return constant; },
+      [](const auto& lit) { return C3f(lit.mean_radiance()); });
+}
+
+std::optional<C3f> Environment::constant() const {
+  if (const auto* constant = std::get_if<C3f>(&kind_)) return *constant;
+  return std::nullopt;
+}
+
+const char* Environment::kind_name() const {
+  constexpr const char* names[] = {"constant", "envmap", "sunsky"};
+  return is_black() ? "none" : names[kind_.index()];
+}
+
+std::uint64_t Environment::fingerprint() const {
+  DataHash hash;
+  hash.add(std::uint64_t{kind_.index()});
+  hash.add(visit_kind(
+      kind_,
+      [](const C3f& constant) {
+        DataHash own;
+        own.add(constant);
+        return own.value();
+      },
+      [](const auto& lit) { return lit.fingerprint(); }));
+  return hash.value();
+}
 
 }  // namespace twopass

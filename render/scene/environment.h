@@ -1,7 +1,13 @@
 // Light from infinitely far away, seen by rays that escape.
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <variant>
+
 #include "render/core/types.h"
+#include "render/scene/environment_map.h"
+#include "render/scene/sun_sky.h"
 
 namespace twopass {
 
@@ -12,14 +18,17 @@ struct EnvironmentSample {
   float pdf_w;    ///< density in solid angle; 0: nothing to be had
 };
 
-/// The environment of a scene. Const and thread-safe.
+/// The environment of a scene: nothing, the same from everywhere, a picture, or sun and sky. Const and
+/// thread-safe; cheap to copy.
 class Environment {
  public:
   /// The same radiance from all directions; black is no environment.
-  explicit Environment(const C3f& constant = C3f(0.0f)) : constant_(constant) {}
+  explicit Environment(const C3f& constant = C3f(0.0f)) : kind_(constant) {}
+  explicit Environment(std::shared_ptr<const EnvironmentMap> map) : kind_(std::move(map)) {}
+  explicit Environment(std::shared_ptr<const SunSky> sky) : kind_(std::move(sky)) {}
 
   /// Nothing shines from anywhere.
-  [[nodiscard]] bool is_black() const { return twopass::is_black(constant_); }
+  [[nodiscard]] bool is_black() const { return twopass::is_black(mean_radiance()); }
   /// Radiance that arrives from `direction` (unit, pointing away from the scene), W/(m2 sr).
   [[nodiscard]] C3f radiance(const V3f& direction) const;
   /// REQUIRES: !is_black().
@@ -27,10 +36,17 @@ class Environment {
   /// The density of sample() at `direction`, per steradian.
   [[nodiscard]] float pdf_w(const V3f& direction) const;
   /// Mean radiance over all directions: how often next-event estimation chooses the environment.
-  [[nodiscard]] C3f mean_radiance() const { return constant_; }
+  [[nodiscard]] C3f mean_radiance() const;
+
+  /// The radiance, where it is the same from all directions.
+  [[nodiscard]] std::optional<C3f> constant() const;
+  /// "none", "constant", "envmap" or "sunsky".
+  [[nodiscard]] const char* kind_name() const;
+  /// A hash of everything that radiance() depends on.
+  [[nodiscard]] std::uint64_t fingerprint() const;
 
  private:
-  C3f constant_;
+  std::variant<C3f, std::shared_ptr<const EnvironmentMap>, std::shared_ptr<const SunSky>> kind_;
 };
 
 }  // namespace twopass

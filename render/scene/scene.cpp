@@ -39,8 +39,7 @@ Scene::Scene(SceneDescription description)
       faces_(faces_of(description_.shapes)),
       bounds_(bounds_of(description_.shapes)),
       caster_(description_.shapes),
-      environment_(description_.sky),
-      lights_(description_.shapes, {}, environment_, bounds_),
+      lights_(description_.shapes, description_.punctual_lights, description_.environment, bounds_),
       has_see_through_(std::ranges::any_of(description_.shapes, [this](const Shape& shape) {
         const Material& material = description_.materials[shape.material];
         return material.side[front].traits().is_see_through || material.side[back].traits().is_see_through;

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "render/scene/camera.h"
+#include "render/scene/environment.h"
 #include "render/scene/geometry.h"
 #include "render/scene/lights.h"
+#include "render/scene/punctual_light.h"
 #include "render/scene/ray_caster.h"
 #include "render/scene/shape.h"
 
@@ -17,7 +19,8 @@ struct SceneDescription {
   std::vector<Shape> shapes;
   std::vector<Material> materials;  ///< at least one when there are shapes
   std::optional<CameraDescription> camera;
-  C3f sky{0.0f};  ///< constant radiance of directions in which nothing is hit
+  std::vector<PunctualLight> punctual_lights;
+  Environment environment;  ///< what is seen in directions in which nothing is hit
 };
 
 /// The smallest box around all shapes; empty without any.
@@ -33,8 +36,8 @@ class Scene {
   [[nodiscard]] std::span<const Shape> shapes() const { return description_.shapes; }
   [[nodiscard]] const RayCaster& caster() const { return caster_; }
   [[nodiscard]] const Lights& lights() const { return lights_; }
-  [[nodiscard]] const C3f& sky() const { return description_.sky; }
-  [[nodiscard]] const Environment& environment() const { return environment_; }
+  [[nodiscard]] std::span<const PunctualLight> punctual_lights() const { return description_.punctual_lights; }
+  [[nodiscard]] const Environment& environment() const { return description_.environment; }
   [[nodiscard]] const Box3f& bounds() const { return bounds_; }
 
   /// What the ray hit. REQUIRES: !hit.escaped(). Inline, below: every vertex of every path calls it.
@@ -80,7 +83,6 @@ class Scene {
   std::vector<std::vector<Face>> faces_;  // by shape and triangle
   Box3f bounds_;
   RayCaster caster_;
-  Environment environment_;
   Lights lights_;
   bool has_see_through_;
 };

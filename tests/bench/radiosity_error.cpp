@@ -63,7 +63,7 @@ Probe look_around(const Scene& scene, const SurfacePoint& point, std::uint32_t k
     const Ray ray{start, Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
     const Hit hit = scene.caster().intersect(ray);
     if (hit.escaped()) {
-      probe.direct += C3d(scene.sky()) * (pi / gather_rays);
+      probe.direct += C3d(scene.environment().radiance(ray.direction)) * (pi / gather_rays);
       continue;
     }
     const SurfacePoint end = scene.surface_point(ray, hit);

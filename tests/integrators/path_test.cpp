@@ -74,7 +74,7 @@ TEST(PathTracer, MirrorShowsTheLampInFull) {
 // A glass sphere in a uniformly bright world is invisible: nothing is absorbed, and compression cancels.
 TEST(PathTracer, GlassInAFurnaceIsInvisible) {
   SceneDescription description;
-  description.sky = C3f(1.0f);
+  description.environment = Environment(C3f(1.0f));
   test::add_diffuse(description, "ball", Sphere{V3f(0.0f), 1.0f, false}, C3f(0.0f));
   description.materials[0] = interface_material("glass", Dielectric{});
   const Scene scene(description);

@@ -18,18 +18,17 @@ TEST_F(MitsubaScene, AnEmptySceneIsAScene) {
   EXPECT_TRUE(loaded.notes.empty());
 }
 
-TEST_F(MitsubaScene, ConstantEmittersAreSky) {
-  EXPECT_EQ(read("").scene.sky, C3f(0.0f));
-  EXPECT_EQ(read("<emitter type='constant'><rgb name='radiance' value='1 2 3'/></emitter>").scene.sky,
+TEST_F(MitsubaScene, ConstantEmittersAreTheEnvironment) {
+  EXPECT_TRUE(read("").scene.environment.is_black());
+  EXPECT_EQ(read("<emitter type='constant'><rgb name='radiance' value='1 2 3'/></emitter>")
+                .scene.environment.constant(),
             C3f(1, 2, 3));
-  EXPECT_EQ(read("<emitter type='constant'/>").scene.sky, C3f(1.0f));
+  EXPECT_EQ(read("<emitter type='constant'/>").scene.environment.constant(), C3f(1.0f));
   expect_error([&] { read("<emitter type='constant'/>\n<emitter type='constant'/>"); },
-               {"scene.xml:3: a second 'constant' emitter, the first is at", "scene.xml:2"});
+               {"scene.xml:3: a second environment, the first is 'constant' at", "scene.xml:2"});
 }
 
-TEST_F(MitsubaScene, OtherEmittersAreRefused) {
-  expect_error([&] { read("<emitter type='envmap'/>"); },
-               {"scene.xml:2: emitter 'envmap' is not supported; supported emitters: constant, area"});
+TEST_F(MitsubaScene, AreaLightsBelongToShapes) {
   expect_error([&] { read("<emitter type='area'/>"); }, {"emitter 'area' outside of a shape"});
 }
 

@@ -40,7 +40,7 @@ TEST(RaySurvey, CountsFollowTheAnalyticFormFactors) {
 
 TEST(RaySurvey, SeesTheSkyThroughAnOpening) {
   SceneDescription description = test::plates(1.0f, 0.5f);
-  description.sky = C3f(2.0f, 1.0f, 0.5f);
+  description.environment = Environment(C3f(2.0f, 1.0f, 0.5f));
   const Scene scene(std::move(description));
   const ElementMesh mesh = divide_surfaces(scene, 0);
   const RaySurvey survey = survey_with_rays(scene, mesh, 1 << 14, 1);
@@ -52,6 +52,22 @@ TEST(RaySurvey, SeesTheSkyThroughAnOpening) {
   EXPECT_NEAR(sky.x, 2.0 * pi * open, 0.02);
   EXPECT_NEAR(sky.z, 0.5 * pi * open, 0.005);
   EXPECT_NEAR(survey.shares[0].in_the_sky + survey.shares[0].on_elements, 1.0f, 1e-6f);
+}
+
+TEST(RaySurvey, TheSkyCountsByDirection) {
+  // Bright only on the side of +x: by symmetry half of the light of a sky that is bright all around.
+  Image picture(16, 9, {"R", "G", "B"});
+  for (int row = 0; row < 9; ++row)
+    for (int column = 0; column < 8; ++column) picture.at(column, row, 0) = 2.0f;
+  SceneDescription description = test::plates(1.0f, 0.5f);
+  description.environment =
+      Environment(std::make_shared<const EnvironmentMap>(picture, EnvironmentMapOptions{}, "half"));
+  const Scene scene(std::move(description));
+  const ElementMesh mesh = divide_surfaces(scene, 0);
+  const RaySurvey survey = survey_with_rays(scene, mesh, 1 << 14, 1);
+  const C3f sky = (survey.sky[0] + survey.sky[1]) * 0.5f;
+  EXPECT_NEAR(sky.x, pi * (1.0 - 0.19982489569838738), 0.02);
+  EXPECT_EQ(sky.y, 0.0f);
 }
 
 TEST(RaySurvey, TellsLampsBlackAndSpecularApart) {

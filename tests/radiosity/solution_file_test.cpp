@@ -241,7 +241,8 @@ TEST(SceneFingerprint, ChangesWithWhatMattersOnly) {
     std::swap(s.materials[0], s.materials[1]);
     std::swap(s.shapes[0].material, s.shapes[1].material);
   }));
-  EXPECT_TRUE(changed([](SceneDescription& s) { s.sky = C3f(0, 0, 1e-30f); }));
+  EXPECT_TRUE(changed([](SceneDescription& s) { s.environment = Environment(C3f(0, 0, 1e-30f)); }));
+  EXPECT_TRUE(changed([](SceneDescription& s) { s.punctual_lights.push_back(PointLight{}); }));
   EXPECT_TRUE(changed([](SceneDescription& s) { s.shapes[0].radiance[back].y = 1.0f; }));
   EXPECT_TRUE(
       changed([](SceneDescription& s) { std::get<Mesh>(s.shapes[3].geometry).positions[1].z += 1e-3f; }));

@@ -45,7 +45,7 @@ TEST(Plan, EveryReasonToSkipIsGiven) {
 TEST(Plan, SkyAndSpecularSurfacesAreSeen) {
   SceneDescription scene = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
   EXPECT_FALSE(needs_of(scene).light);
-  scene.sky = C3f(0.0f, 0.0f, 1.0f);
+  scene.environment = Environment(C3f(0.0f, 0.0f, 1.0f));
   EXPECT_TRUE(needs_of(scene).light);
   EXPECT_FALSE(needs_of(scene).specular);
   scene.materials[0] = one_sided("mirror", Conductor{});

@@ -76,7 +76,7 @@ TEST(RadiosityTruth, OpenFurnaceWithMirrorAndGlass) {
   description.materials.push_back(interface_material("glass", Dielectric{}));
   description.shapes[1] = {
       "ball", Sphere{V3f(0.5f), 0.3f, false}, static_cast<std::uint32_t>(description.materials.size() - 1), {}};
-  description.sky = C3f(1.0f / pi_f);
+  description.environment = Environment(C3f(1.0f / pi_f));
   const Scene scene(std::move(description));
   const Solution solution = solve_radiosity(scene, options_for(FormFactorMethod::rays, 100, 1 << 14));
   double mean = 0.0;
