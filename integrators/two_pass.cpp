@@ -26,8 +26,7 @@ Seen TwoPass::radiance(const Ray& ray, Sampler& sampler, RayCounts& counts) cons
   while (walk.arrive(seen)) {
     if (!is_specular(walk.bsdf())) {
       if (gathering && resolves(walk.point(), walk.distance())) {
-        seen.radiance +=
-            walk.throughput() * reflected_radiance(walk.bsdf(), solution_->irradiance(walk.point()));
+        seen.radiance += walk.carried(reflected_radiance(walk.bsdf(), solution_->irradiance(walk.point())));
         break;
       }
       seen.radiance += walk.direct_light();

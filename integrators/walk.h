@@ -1,6 +1,7 @@
 // The walk that all integrators share: a ray, what it carries, and the light that it runs into.
 #pragma once
 
+#include "integrators/clamp.h"
 #include "integrators/direct_light.h"
 
 namespace twopass {
@@ -19,7 +20,7 @@ class Walk {
     ++edges_;
     const Hit hit = scene_.caster().intersect(ray_);
     if (hit.escaped()) {
-      seen.radiance += throughput_ * scene_.sky();
+      seen.radiance += clamped(throughput_ * scene_.sky(), edges_, limits_);
       return false;
     }
     distance_ = hit.t;
@@ -28,7 +29,8 @@ class Walk {
     const C3f& emitted = scene_.emitted_radiance(point_);
     const bool hidden = limits_.hide_emitters && edges_ == 1 && !is_black(emitted);
     if (edges_ == 1) seen.alpha = hidden ? 0.0f : 1.0f;
-    if (!is_black(emitted) && !hidden) seen.radiance += throughput_ * emitted * emission_weight();
+    if (!is_black(emitted) && !hidden)
+      seen.radiance += clamped(throughput_ * emitted * emission_weight(), edges_, limits_);
     return limits_.max_depth < 0 || edges_ < limits_.max_depth;
   }
 
@@ -36,7 +38,13 @@ class Walk {
   /// specular.
   C3f direct_light() {
     if (scene_.lights().empty()) return C3f(0.0f);
-    return throughput_ * sample_direct_light(scene_, point_, bsdf(), wo_, sampler_, counts_);
+    return clamped(throughput_ * sample_direct_light(scene_, point_, bsdf(), wo_, sampler_, counts_),
+                   edges_ + 1, limits_);
+  }
+
+  /// What the path adds to the sample where the given radiance, reflected here, travels along it.
+  [[nodiscard]] C3f carried(const C3f& radiance) const {
+    return clamped(throughput_ * radiance, edges_ + 1, limits_);
   }
 
   /// Draws the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
