@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace twopass {
 
@@ -9,18 +10,18 @@ namespace {
 
 constexpr int window_radius = 2;  // pixels
 
-// The mean relative variance of the pixels around one; of the pixel itself where there are no others.
-double variance_around(const std::vector<double>& variances, int width, int height, int x, int y) {
+// The mean share of the pixels around one; of the pixel itself where there are no others.
+double share_around(const std::vector<double>& shares, int width, int height, int x, int y) {
   double sum = 0.0;
   int count = 0;
   for (int j = std::max(y - window_radius, 0); j <= std::min(y + window_radius, height - 1); ++j)
     for (int i = std::max(x - window_radius, 0); i <= std::min(x + window_radius, width - 1); ++i) {
       if (i == x && j == y) continue;
-      sum += variances[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
-                       static_cast<std::size_t>(i)];
+      sum +=
+          shares[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)];
       ++count;
     }
-  return count > 0 ? sum / count : variances.front();
+  return count > 0 ? sum / count : shares.front();
 }
 
 }  // namespace
@@ -29,36 +30,35 @@ SampleShares::SampleShares(const Film& pilot)
     : pilot_samples_(static_cast<std::uint32_t>(pilot.pixel(0, 0).samples)) {
   constexpr double most_variance = 1e30;  // infinities would leave nothing for the others
   const int width = pilot.width(), height = pilot.height();
-  std::vector<double> own, around;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      own.push_back(std::min(pilot.pixel(x, y).relative_variance(), most_variance));
-  double mean_share = 0.0;
+  std::vector<double> variances, roots, shares;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      around.push_back(variance_around(own, width, height, x, y));
-      mean_share += std::sqrt(around.back());
+      variances.push_back(std::min(pilot.pixel(x, y).relative_variance(), most_variance));
+      roots.push_back(std::sqrt(variances.back()));
     }
-  mean_share /= static_cast<double>(around.size());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) shares.push_back(share_around(roots, width, height, x, y));
+  const double mean_share =
+      std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
   // Between a sixteenth and sixteen times the mean: where the pilot saw no scatter there may be some, and
   // where it saw much that may have been one bright sample.
   constexpr int middle = most_octaves * octave;
-  for (const double variance : around) {
-    const double share = mean_share > 0.0 ? std::sqrt(variance) / mean_share : 1.0;
-    const double level =
-        share > 0.0 ? std::clamp(octave * std::log2(share), -1.0 * middle, 1.0 * middle) : -1.0 * middle;
-    levels_.push_back(static_cast<std::uint8_t>(std::lround(level) + middle));
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const double relative = mean_share > 0.0 ? shares[i] / mean_share : 1.0;
+    const double level = relative > 0.0 ? octave * std::log2(relative) : -middle;
+    levels_.push_back(
+        static_cast<std::uint8_t>(std::lround(std::clamp<double>(level, -middle, middle)) + middle));
     Bin& bin = bins_[levels_.back()];
     bin.pixels += 1.0;
-    bin.variance += variance;
+    bin.variance += variances[i];
   }
 }
 
 std::uint32_t SampleShares::samples_of(int level, int step) const {
-  const int doublings = std::max((level + step) / octave - 2 * most_octaves, 0);
-  return static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(std::uint64_t{pilot_samples_} << std::min(doublings, 32),
-                              static_cast<std::uint64_t>(most_samples_per_pixel)));
+  const int above = std::max(level + step - 2 * most_octaves * octave, 0);
+  std::uint64_t samples = std::uint64_t{pilot_samples_} << std::min(above / octave, 32);
+  if (above % octave >= octave / 2) samples += samples / 2;
+  return static_cast<std::uint32_t>(std::min(samples, std::uint64_t{most_samples_per_pixel}));
 }
 
 double SampleShares::total(int step) const {
@@ -73,6 +73,13 @@ double SampleShares::expected_relmse(int step) const {
   for (int level = 0; level < levels; ++level)
     sum += bins_[static_cast<std::size_t>(level)].variance / samples_of(level, step);
   return sum / static_cast<double>(levels_.size());
+}
+
+double SampleShares::gain(int step) const {
+  double variance = 0.0;
+  for (const Bin& bin : bins_) variance += bin.variance;
+  const double shared = expected_relmse(step) * total(step);
+  return shared > 0.0 ? variance / shared : 1.0;
 }
 
 int SampleShares::step_for(double relmse, int from, double most) const {
@@ -113,10 +120,10 @@ bool SamplePlan::next_uniform() {
 }
 
 void SamplePlan::end_pilot() {
-  constexpr double most_growth = 8.0;
+  constexpr double most_growth = 8.0, least_gain = 1.05;
   SampleShares shares(film_);
   const int step = shares.step_for(goal_.relative_error * goal_.relative_error, 0, limit() * pixels());
-  if (shares.total(step) > most_growth * before_ * pixels())
+  if (shares.total(step) > most_growth * before_ * pixels() || shares.gain(step) < least_gain)
     pilot_samples_ *= 2;
   else
     shares_.push_back(std::move(shares));

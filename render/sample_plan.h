@@ -27,21 +27,24 @@ struct SampleRange {
 /// How much each pixel of a picture deserves, from a pilot of equally many samples of each. The mean of
 /// v_p / n_p over the pixels, v_p the relative variance of a sample, is least for a given sum of the n_p where
 /// n_p is proportional to sqrt(v_p) (Neyman 1934, section 3.3; Cauchy and Schwarz: never worse than equal
-/// n_p). v_p is taken from the pixels around p, never from p itself: what a pixel has seen has no influence
-/// on how often it is sampled, so that its mean stays unbiased.
+/// n_p). sqrt(v_p) is the mean of those of the pixels around p, never of p itself: what a pixel has seen has no
+/// influence on how often it is sampled, so that its mean stays unbiased. (Only how long the whole picture is
+/// sampled depends on all pixels, as in every render to a goal of noise.)
 class SampleShares {
  public:
   /// REQUIRES: every pixel of the pilot has had the same number of samples, in at least two batches.
   explicit SampleShares(const Film& pilot);
 
-  /// The samples that pixel i has at a step: those of the pilot times a power of two, for Sobol points are
-  /// best there. From each step to the next a sixteenth of the pixels, evenly over the range of shares,
-  /// doubles.
+  /// The samples that pixel i has at a step: those of the pilot times a power of two or one and a half, for
+  /// Sobol points are best there. From each step to the next some of the pixels, evenly over the range of
+  /// shares, go up.
   [[nodiscard]] std::uint32_t samples(std::size_t i, int step) const { return samples_of(levels_[i], step); }
   /// Samples of the whole picture at a step.
   [[nodiscard]] double total(int step) const;
   /// The relMSE to be expected at a step.
   [[nodiscard]] double expected_relmse(int step) const;
+  /// By how much equal numbers of samples, as many in all, would have the larger relMSE.
+  [[nodiscard]] double gain(int step) const;
   /// The first step from `from` on with at most the given relMSE, or the last that needs at most `most`
   /// samples.
   [[nodiscard]] int step_for(double relmse, int from, double most) const;
@@ -59,7 +62,8 @@ class SampleShares {
 };
 
 /// The passes of a render. Without a goal of noise all pixels are sampled alike; with one, by SampleShares,
-/// after a pilot that has at least an eighth of the samples that the picture seems to need.
+/// after a pilot that has at least an eighth of the samples that the picture seems to need, if that seems to
+/// gain a twentieth.
 class SamplePlan {
  public:
   /// REQUIRES: goal and film outlive the plan; the film is empty, and filled by what the plan says alone.

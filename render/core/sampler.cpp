@@ -1,5 +1,6 @@
 #include "render/core/sampler.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace twopass {
@@ -8,20 +9,16 @@ namespace {
 
 constexpr float below_one = 0x1.fffffep-1f;
 
-// A random permutation of the numbers below n: one of those below the next power of two, applied until it lands
-// below n (cycle walking, Black and Rogaway 2002). Every step of the loop can be undone.
+// A random permutation of the numbers below n: in each round every number is paired with another, and a random
+// bit of the pair says whether they change places ("swap or not", Hoang, Morris and Rogaway 2012).
 std::uint32_t permute(std::uint32_t i, std::uint32_t n, std::uint64_t seed) {
-  const std::uint32_t mask = std::bit_ceil(n) - 1;
-  const std::uint32_t half = std::max(static_cast<std::uint32_t>(std::bit_width(mask)) / 2u, 1u);
-  do {
-    std::uint64_t key = seed;
-    for (int round = 0; round < 4; ++round) {
-      key = hash_word(key + 0x9e3779b97f4a7c15u);
-      i = (i + static_cast<std::uint32_t>(key)) & mask;
-      i = (i * (static_cast<std::uint32_t>(key >> 32) | 1u)) & mask;
-      i ^= i >> half;
-    }
-  } while (i >= n);
+  const int rounds = 8 + 2 * static_cast<int>(std::bit_width(n));
+  for (int round = 0; round < rounds; ++round) {
+    seed = hash_word(seed + 0x9e3779b97f4a7c15u);
+    const std::uint32_t sum = static_cast<std::uint32_t>(seed >> 32) % n;
+    const std::uint32_t partner = sum >= i ? sum - i : sum + n - i;
+    if (hash_word(seed ^ std::max(i, partner)) & 1) i = partner;
+  }
   return i;
 }
 

@@ -42,29 +42,31 @@ TEST(Sampler, PairsAreZeroTwoSequencesForEverySeed) {
   }
 }
 
-// Of the pairs of a group the second is not quite as good: of 2^m points, two lie in each elementary interval
-// of area 2^(1-m); and of all four dimensions each is a net of its own.
+// In every pair, not in the first alone, and in any aligned block. The second pair of a group is not quite as
+// good: of 2^m points, four lie in each elementary interval of area 2^(2-m). Each dimension alone is perfect.
 TEST(Sampler, EveryPairIsANetAndEveryDimensionToo) {
-  for (std::uint32_t pair = 0; pair < Sampler::sobol_pairs; ++pair)
-    for (int m = 1; m <= 8; ++m)
-      for (int split = 0; split < m; ++split) {
+  for (std::uint32_t pair = 0; pair < Sampler::sobol_pairs; ++pair) {
+    const int t = pair % 2 == 0 ? 0 : 2;
+    for (int m = t; m <= 8; ++m)
+      for (int split = 0; split <= m - t; ++split) {
         std::map<std::uint32_t, int> cells;
         std::set<std::uint32_t> columns, rows;
-        for (std::uint32_t i = 3u << m; i < 4u << m; ++i) {  // any aligned block
+        for (std::uint32_t i = 3u << m; i < 4u << m; ++i) {
           Sampler sampler(9, 77, i);
           for (std::uint32_t k = 0; k < pair; ++k) sampler.next_2d();
           const V2f u = sampler.next_2d();
           const auto cx = static_cast<std::uint32_t>(u.x * static_cast<float>(1 << split));
-          const auto cy = static_cast<std::uint32_t>(u.y * static_cast<float>(1 << (m - 1 - split)));
+          const auto cy = static_cast<std::uint32_t>(u.y * static_cast<float>(1 << (m - t - split)));
           ++cells[cx << 16 | cy];
           columns.insert(static_cast<std::uint32_t>(u.x * static_cast<float>(1 << m)));
           rows.insert(static_cast<std::uint32_t>(u.y * static_cast<float>(1 << m)));
         }
-        EXPECT_EQ(cells.size(), 1u << (m - 1)) << "pair " << pair << " m " << m << " split " << split;
-        for (const auto& [cell, points] : cells) EXPECT_EQ(points, 2) << pair << " " << m << " " << split;
+        EXPECT_EQ(cells.size(), 1u << (m - t)) << "pair " << pair << " m " << m << " split " << split;
+        for (const auto& [cell, points] : cells) EXPECT_EQ(points, 1 << t) << pair << " " << m << " " << split;
         EXPECT_EQ(columns.size(), 1u << m);
         EXPECT_EQ(rows.size(), 1u << m);
       }
+  }
 }
 
 // Whether a pair is drawn as one number or as two, the first is the same.
@@ -235,7 +237,7 @@ TEST(SamplerKinds, StratifiedCellsAreTakenInRandomOrder) {
 // Each sample of every kind alone is uniform, in shallow and deep dimensions: what makes every mean unbiased.
 TEST(SamplerKinds, EachSampleIsUniformOverTheStreams) {
   constexpr int cells = 8;
-  constexpr std::uint32_t streams = 20000;
+  constexpr std::uint32_t streams = 10000;
   const std::vector<double> expected(cells * cells, streams / static_cast<double>(cells * cells));
   const std::uint32_t indices[] = {0, 1, 7, 63, 1000};
   const double level = test::sidak(1e-3, std::size(kinds) * std::size(indices) * 2);

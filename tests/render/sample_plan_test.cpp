@@ -35,7 +35,7 @@ std::string render(Film& film, const SamplingGoal& goal, std::uint32_t seed, con
 
 // 1 on average, seldom there, and the seldomer the further to the right.
 double rare(int x, int, std::uint64_t random) {
-  const double chance = 1.0 / (2.0 + 2.0 * x);
+  const double chance = 1.0 / (2.0 + x * x);
   return unit_number(random) < chance ? 1.0 / chance : 0.0;
 }
 
@@ -103,14 +103,17 @@ TEST(SampleShares, TotalsAndExpectationsAreThoseOfThePixels) {
 // What makes the picture unbiased: a pixel's own samples do not decide how many it gets.
 TEST(SampleShares, APixelHasNoInfluenceOnItsOwnShare) {
   const auto spike = [](int x, int y, std::uint64_t random) {
-    return unit_number(random) + (x == 5 && y == 5 ? 20.0 * unit_number(hash_word(random)) : 0.0);
+    return unit_number(random) +
+           (x == 5 && y == 5 ? (unit_number(hash_word(random)) < 0.25 ? 20.0 : 0.0) : 0.0);
   };
-  const Film plain = pilot_of(11, 11, 16, [](int, int, std::uint64_t random) { return unit_number(random); });
-  const SampleShares without(plain), with(pilot_of(11, 11, 16, spike));
+  const Film plain = pilot_of(11, 11, 64, [](int, int, std::uint64_t random) { return unit_number(random); });
+  const SampleShares without(plain), with(pilot_of(11, 11, 64, spike));
   // All shares are relative to the mean, which the spike raises: compare with a pixel that is far from it.
-  for (int step = 0; step < 300; ++step) {
+  for (int step = 0; step < 220; ++step) {
     EXPECT_LE(with.samples(5 * 11 + 5, step), without.samples(5 * 11 + 5, step));
-    if (step > 200) EXPECT_GT(with.samples(5 * 11 + 6, step), with.samples(0, step)) << "a neighbour";
+    if (step > 180) {
+      EXPECT_GT(with.samples(5 * 11 + 6, step), with.samples(0, step)) << "a neighbour";
+    }
   }
 }
 
@@ -118,7 +121,7 @@ TEST(SampleShares, APixelHasNoInfluenceOnItsOwnShare) {
 // each column at a joint level of 1e-3. Rendered to a number of samples, so that only the division of the
 // samples can bias it.
 TEST(SamplePlan, RareBrightSamplesAreNotLost) {
-  constexpr int size = 12, runs = 1500;
+  constexpr int size = 12, runs = 1000;
   std::vector<test::Estimate> columns(size);
   double most = 0.0, fewest = 1e9;
   for (std::uint32_t run = 0; run < runs; ++run) {
