@@ -72,7 +72,7 @@ TEST(SampleShares, SamplesFollowTheRootOfTheVariance) {
   const SampleShares shares(pilot);
   double left = 0.0, right = 0.0;
   int steps = 0;
-  for (int step = 180; step < 180 + 16; ++step) {
+  for (int step = 120; step < 120 + 16; ++step) {
     ++steps;
     for (std::size_t y = 0; y < 64; ++y) {
       left += std::log2(shares.samples(y * 64 + 10, step)) / 64;
@@ -109,12 +109,13 @@ TEST(SampleShares, APixelHasNoInfluenceOnItsOwnShare) {
   const Film plain = pilot_of(11, 11, 64, [](int, int, std::uint64_t random) { return unit_number(random); });
   const SampleShares without(plain), with(pilot_of(11, 11, 64, spike));
   // All shares are relative to the mean, which the spike raises: compare with a pixel that is far from it.
+  double neighbour = 0.0, far = 0.0;
   for (int step = 0; step < 220; ++step) {
     EXPECT_LE(with.samples(5 * 11 + 5, step), without.samples(5 * 11 + 5, step));
-    if (step > 180) {
-      EXPECT_GT(with.samples(5 * 11 + 6, step), with.samples(0, step)) << "a neighbour";
-    }
+    neighbour += with.samples(5 * 11 + 6, step);
+    far += with.samples(0, step);
   }
+  EXPECT_GT(neighbour, far);
 }
 
 // A picture whose pixels are 1 on average by rare bright samples: its mean over many renders, by a z-test of
