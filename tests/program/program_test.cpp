@@ -157,7 +157,7 @@ TEST_F(Program, EverySamplerOnAnyNumberOfThreads) {
 }
 
 TEST_F(Program, ANoiseGoalStopsPixelsEarlyAndSaysSo) {
-  const std::string arguments = "render " + box_ + "--integrator path --noise 0.15";
+  const std::string arguments = "render " + box_ + "--integrator path --noise 0.06";
   const Outcome one = run(arguments + " -o one.exr --threads 1 --stats s.json");
   ASSERT_EQ(one.exit_code, 0) << one.err;
   ASSERT_EQ(run(arguments + " -o two.exr --threads 2").exit_code, 0);
@@ -167,7 +167,7 @@ TEST_F(Program, ANoiseGoalStopsPixelsEarlyAndSaysSo) {
   const auto stats = nlohmann::json::parse(read(folder_ / "s.json"));
   EXPECT_EQ(stats["render"]["stop_reason"], "noise");
   EXPECT_GT(stats["render"]["pixels_stopped_early"], 0.1);
-  EXPECT_LE(stats["render"]["relative_error"], 0.15);
+  EXPECT_LE(stats["render"]["relative_error"], 0.06);
 }
 
 TEST_F(Program, ClampsAreSaidEverywhere) {
