@@ -31,9 +31,11 @@ struct PathSample {
 /// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct
 /// light.
 struct PathLimits {
-  int max_depth = -1;          ///< most edges; -1: no limit
-  int rr_depth = 5;            ///< edges before Russian roulette starts
-  bool hide_emitters = false;  ///< lights that the camera sees directly stay dark
+  int max_depth = -1;                 ///< most edges; -1: no limit
+  int rr_depth = 5;                   ///< edges before Russian roulette starts
+  bool hide_emitters = false;         ///< lights that the camera sees directly stay dark
+  float clamp_direct = infinity_f;    ///< most radiance that a path of two edges adds to a sample, W/(m2 sr)
+  float clamp_indirect = infinity_f;  ///< the same of longer paths
 };
 
 /// Samples that are traced side by side (I6). Integrators take any number of them; multiples of this many, of

@@ -5,20 +5,10 @@
 #include <string>
 
 #include "integrators/integrator.h"
-#include "render/image/film.h"
 #include "render/image/filter.h"
+#include "render/sample_plan.h"
 
 namespace twopass {
-
-/// When to stop. The first goal that is met ends the render; zero means no such goal.
-struct SamplingGoal {
-  int samples_per_pixel = 0;
-  double seconds = 0.0;
-  double relative_error = 0.0;  ///< of Film::relative_error()
-};
-
-/// Where a render without a goal of samples stops at last.
-inline constexpr int most_samples_per_pixel = 1 << 16;
 
 struct RenderJob {
   const Integrator& integrator;
@@ -26,13 +16,15 @@ struct RenderJob {
   Filter filter;
   SamplingGoal goal;
   std::uint32_t seed = 0;
+  SamplerKind sampler = SamplerKind::sobol;
   std::function<void(double)> report_progress;  ///< called by any thread with the fraction that is done
 };
 
 struct RenderOutcome {
   RayCounts counts;
   std::uint64_t non_finite_samples = 0;
-  std::string stop_reason;  ///< "samples", "time", "noise" or "interrupted"
+  std::string stop_reason;            ///< "samples", "time", "noise" or "interrupted"
+  double pixels_stopped_early = 0.0;  ///< share of the pixels with fewer samples than the mean of all
 };
 
 /// Renders into the film. Every sample is a pure function of (seed, pixel, sample index), so the film does not

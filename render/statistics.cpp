@@ -45,7 +45,9 @@ ordered_json render_json(const RenderStatistics& s) {
           {"non_finite_samples", s.outcome.non_finite_samples},
           {"relative_error", number_or_null(s.relative_error)},
           {"stop_reason", s.outcome.stop_reason},
-          {"bias", nullptr}};
+          {"pixels_stopped_early", s.outcome.pixels_stopped_early},
+          {"sampler", s.sampler},
+          {"bias", s.bias.empty() ? ordered_json(nullptr) : ordered_json(s.bias)}};
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct RenderStatistics {
   Elapsed load, build, radiosity_time, render, write, total;
   std::optional<RadiosityStats> radiosity;
   bool is_render = true;  ///< false: the radiosity pass alone, all below but threads and seed is not used
-  std::string integrator;
+  std::string integrator, sampler;
+  std::string bias;  ///< what was clamped, in words; empty: nothing
   int width = 0, height = 0;
   std::uint64_t samples = 0;
   RenderOutcome outcome;

@@ -21,9 +21,10 @@ constexpr double default_noise = 0.03;
 struct RenderOptions {
   SceneOptions scene;
   std::vector<std::string> outputs;
-  std::string integrator, size, stats_file, exr_type;
+  std::string integrator, sampler, size, stats_file, exr_type;
   SamplingGoal goal;
   std::optional<int> max_depth;
+  float clamp_direct = infinity_f, clamp_indirect = infinity_f;
   std::optional<std::uint32_t> seed;
   RadiosityCommandOptions radiosity;
   std::string solution_file;
@@ -36,6 +37,7 @@ struct Settings {
   PathLimits limits;
   int width = 0, height = 0;
   SamplingGoal goal;
+  SamplerKind sampler = SamplerKind::sobol;
   std::uint32_t seed = 0;
 };
 
@@ -54,7 +56,11 @@ Settings settle(const RenderOptions& options, const FileSettings& file, const Co
   else if (file.integrator)
     settings.integrator =
         value_of_name<IntegratorKind>(integrator_names, *file.integrator, options.scene.file, "integrator");
-  settings.limits = {options.max_depth.value_or(file.max_depth), file.rr_depth, file.hide_emitters};
+  // The sampler of the file is no wish: nearly all files name Mitsuba's default, which is the noisiest.
+  if (!options.sampler.empty())
+    settings.sampler = value_of_name<SamplerKind>(sampler_names, options.sampler, "--sampler", "sampler");
+  settings.limits = {options.max_depth.value_or(file.max_depth), file.rr_depth, file.hide_emitters,
+                     options.clamp_direct, options.clamp_indirect};
   settings.width = file.width;
   settings.height = file.height;
   if (!options.size.empty()) parse_size(options.size, settings);
@@ -69,6 +75,20 @@ Settings settle(const RenderOptions& options, const FileSettings& file, const Co
   }
   settings.seed = options.seed.value_or(file.seed.value_or(0));
   return settings;
+}
+
+// What the clamps do to the picture, in words; empty without them.
+std::string bias_text(const PathLimits& limits) {
+  std::string text;
+  const auto add = [&](const char* what, float most) {
+    if (most == infinity_f) return;
+    char part[60];
+    std::snprintf(part, sizeof part, "%s%s light clamped to %g", text.empty() ? "" : ", ", what, most);
+    text += part;
+  };
+  add("direct", limits.clamp_direct);
+  add("indirect", limits.clamp_indirect);
+  return text;
 }
 
 // Most diffuse reflections that the solution may hold for this render; -1: all.
@@ -135,6 +155,7 @@ ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, c
                   {"twopass/spp", static_cast<float>(static_cast<double>(s.samples) / pixels)},
                   {"twopass/seed", static_cast<int>(s.seed)},
                   {"twopass/stopReason", s.outcome.stop_reason}};
+  if (!s.bias.empty()) exr.metadata.emplace_back("twopass/bias", s.bias);
   return exr;
 }
 
@@ -145,7 +166,10 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
   std::printf("%s, %dx%d, %.4g samples a pixel (stopped by %s)", s.integrator.c_str(), s.width, s.height,
               static_cast<double>(s.samples) / pixels, s.outcome.stop_reason.c_str());
   if (std::isfinite(s.relative_error)) std::printf(", estimated noise %.3g", s.relative_error);
+  if (s.outcome.pixels_stopped_early > 0.0)
+    std::printf(", %.3g %% of the pixels stopped early", 100.0 * s.outcome.pixels_stopped_early);
   std::printf(", %.2f s (%.2f s CPU)\n", s.total.seconds, s.total.cpu_seconds);
+  if (!s.bias.empty()) std::printf("biased: %s W/(m2 sr) a path\n", s.bias.c_str());
   if (s.outcome.non_finite_samples > 0)
     std::printf("%llu samples were not finite and counted as black\n",
                 static_cast<unsigned long long>(s.outcome.non_finite_samples));
@@ -195,6 +219,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                               .filter = loaded.settings.filter,
                               .goal = settings.goal,
                               .seed = settings.seed,
+                              .sampler = settings.sampler,
                               .report_progress = [&](double fraction) { progress.update(fraction); }},
                              film);
   }
@@ -204,6 +229,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.count(scene);
   s.skipped = plan.skipped;
   s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);
+  s.bias = bias_text(settings.limits);
+  s.sampler = name_of_value<SamplerKind>(sampler_names, settings.sampler);
   s.width = settings.width;
   s.height = settings.height;
   s.samples = film.samples();
@@ -239,15 +266,27 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
       ->required()
       ->allow_extra_args(false);
   command.add_option("--integrator", options->integrator, "twopass, path, radiosity or direct");
+  command.add_option("--sampler", options->sampler,
+                     "sobol (default, whatever the scene says), stratified or independent");
   command.add_option("--spp", options->goal.samples_per_pixel, "Stop at this many samples a pixel")
       ->check(CLI::Range(1, most_samples_per_pixel));
   command.add_option("--time", options->goal.seconds, "Stop after this many seconds of rendering")
       ->check(CLI::PositiveNumber);
-  command.add_option("--noise", options->goal.relative_error, "Stop at this estimated relative error")
+  command
+      .add_option("--noise", options->goal.relative_error,
+                  "Stop at this estimated relative error, sampling more where there is more noise")
       ->check(CLI::PositiveNumber);
   command.add_option("--size", options->size, "Picture size, WIDTHxHEIGHT");
   command.add_option("--max-depth", options->max_depth, "Most edges of a path; -1 unlimited, 2 direct light")
       ->check(CLI::Range(-1, 1 << 30));
+  command
+      .add_option("--clamp-direct", options->clamp_direct,
+                  "Most radiance that a path of direct light adds to a sample, W/(m2 sr); biased")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--clamp-indirect", options->clamp_indirect,
+                  "The same of indirect light: fewer bright dots for a darker picture; biased")
+      ->check(CLI::PositiveNumber);
   command.add_option("--seed", options->seed, "Seed of all random numbers");
   CLI::Option* solution = command.add_option("--solution", options->solution_file,
                                              "Radiosity solution of twopass solve to use instead of solving");

@@ -21,6 +21,15 @@ C3d FilmPixel::mean() const {
   return weight > 0.0 ? C3d(sum / weight) : C3d(0.0, 0.0, 0.0);
 }
 
+double FilmPixel::relative_variance() const {
+  // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1).
+  const C3d at = mean();
+  double total = 0.0;
+  for (int c = 0; c < 3; ++c) total += spread[c] / (at[c] * at[c] + relmse_epsilon);
+  // Radiances near the end of double's range could overflow to inf/inf.
+  return std::isnan(total) ? std::numeric_limits<double>::infinity() : total / (3.0 * (batches - 1.0));
+}
+
 void FilmPixel::merge(const FilmPixel& other) {
   if (other.samples == 0) return;
   if (samples == 0) {
@@ -94,17 +103,11 @@ double Film::relative_error() const {
   for (const FilmPixel& pixel : pixels_) {
     if (pixel.samples == 0) continue;
     if (pixel.batches < 2) return std::numeric_limits<double>::infinity();
-    // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1), and the mean of
-    // all samples a variance of s^2 / samples.
-    const double to_variance = 1.0 / ((pixel.batches - 1.0) * static_cast<double>(pixel.samples));
-    const C3d mean = pixel.mean();
-    for (int c = 0; c < 3; ++c) sum += pixel.spread[c] * to_variance / (mean[c] * mean[c] + relmse_epsilon);
+    sum += pixel.relative_variance() / static_cast<double>(pixel.samples);
     ++sampled;
   }
   if (sampled == 0) return std::numeric_limits<double>::infinity();
-  const double relmse = sum / (3.0 * static_cast<double>(sampled));
-  // Radiances near the end of double's range could overflow to inf/inf.
-  return std::isnan(relmse) ? std::numeric_limits<double>::infinity() : std::sqrt(relmse);
+  return std::sqrt(sum / static_cast<double>(sampled));
 }
 
 }  // namespace twopass

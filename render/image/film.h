@@ -21,6 +21,9 @@ struct FilmPixel {
 
   /// The pixel's mean radiance; black without samples.
   [[nodiscard]] C3d mean() const;
+  /// Estimated variance of one sample over mean^2 + 0.01, averaged over the channels, from the scatter of the
+  /// batches; divided by `samples` it is the expected relMSE of the mean. Never NaN. REQUIRES: batches >= 2.
+  [[nodiscard]] double relative_variance() const;
   /// Adds what another set of batches found. Exact (Chan, Golub, LeVeque 1983); order changes only rounding.
   void merge(const FilmPixel& other);
 };

@@ -80,7 +80,7 @@ void read_sampler(const XmlNode& node, const MitsubaTree& tree, FileSettings& se
   Properties p(node, tree);
   if (p.type() != "independent")
     notes.add(node.where() + ": sampler '" + p.type() +
-              "': ours is used instead, with its sample count and seed");
+              "': ours is used instead, with its sample count and seed (--sampler chooses another)");
   if (const auto count = p.integer("sample_count")) {
     if (*count < 1) throw Error(p.where("sample_count"), "'sample_count' must be at least 1", "correct it");
     settings.samples_per_pixel = *count;

@@ -48,6 +48,8 @@ std::optional<V3f> place_of(const PunctualLight& light) {
       [](const auto& kind) -> std::optional<V3f> {
         if constexpr (requires { kind.position; })
           return kind.position;
+        else if constexpr (requires { kind.frame.position; })
+          return kind.frame.position;
         else
           return std::nullopt;
       },

@@ -1,6 +1,8 @@
 #include "render/core/sampler.h"
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -37,6 +39,41 @@ TEST(Sampler, PairsAreZeroTwoSequencesForEverySeed) {
         EXPECT_EQ(cells.size(), 1u << m) << "seed " << seed << " m " << m << " split " << split;
       }
     }
+  }
+}
+
+// In every pair, not in the first alone, and in any aligned block. The second pair of a group is not quite as
+// good: of 2^m points, four lie in each elementary interval of area 2^(2-m). Each dimension alone is perfect.
+TEST(Sampler, EveryPairIsANetAndEveryDimensionToo) {
+  for (std::uint32_t pair = 0; pair < Sampler::sobol_pairs; ++pair) {
+    const int t = pair % 2 == 0 ? 0 : 2;
+    for (int m = t; m <= 8; ++m)
+      for (int split = 0; split <= m - t; ++split) {
+        std::map<std::uint32_t, int> cells;
+        std::set<std::uint32_t> columns, rows;
+        for (std::uint32_t i = 3u << m; i < 4u << m; ++i) {
+          Sampler sampler(9, 77, i);
+          for (std::uint32_t k = 0; k < pair; ++k) sampler.next_2d();
+          const V2f u = sampler.next_2d();
+          const auto cx = static_cast<std::uint32_t>(u.x * static_cast<float>(1 << split));
+          const auto cy = static_cast<std::uint32_t>(u.y * static_cast<float>(1 << (m - t - split)));
+          ++cells[cx << 16 | cy];
+          columns.insert(static_cast<std::uint32_t>(u.x * static_cast<float>(1 << m)));
+          rows.insert(static_cast<std::uint32_t>(u.y * static_cast<float>(1 << m)));
+        }
+        EXPECT_EQ(cells.size(), 1u << (m - t)) << "pair " << pair << " m " << m << " split " << split;
+        for (const auto& [cell, points] : cells) EXPECT_EQ(points, 1 << t) << pair << " " << m << " " << split;
+        EXPECT_EQ(columns.size(), 1u << m);
+        EXPECT_EQ(rows.size(), 1u << m);
+      }
+  }
+}
+
+// Whether a pair is drawn as one number or as two, the first is the same.
+TEST(Sampler, OneNumberIsTheFirstOfAPair) {
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    Sampler one(1, 2, i), two(1, 2, i);
+    for (int pair = 0; pair < 4; ++pair) EXPECT_EQ(one.next_1d(), two.next_2d().x);
   }
 }
 
@@ -136,6 +173,141 @@ TEST(Sampler, NumbersLieInTheHalfOpenUnitInterval) {
     Sampler sampler(i, i * 31, i * 17);
     const V2f u = sampler.next_2d();
     ASSERT_TRUE(u.x >= 0.0f && u.x < 1.0f && u.y >= 0.0f && u.y < 1.0f);
+  }
+}
+
+constexpr SamplerKind kinds[] = {SamplerKind::sobol, SamplerKind::independent, SamplerKind::stratified};
+
+TEST(SamplerKinds, NamesAreThoseOfTheCommandLine) {
+  for (const SamplerKind kind : kinds)
+    EXPECT_EQ(
+        value_of_name<SamplerKind>(sampler_names, name_of_value<SamplerKind>(sampler_names, kind), "", ""),
+        kind);
+}
+
+// One sample in each cell of the grid, for every number of samples that is a product of two like numbers; in
+// each block of as many samples, and in both shallow and deep pairs.
+TEST(SamplerKinds, StratifiedSamplesTakeEveryCellOnce) {
+  const struct {
+    std::uint32_t samples, columns, rows;
+  } grids[] = {{1, 1, 1}, {2, 1, 2}, {6, 2, 3}, {9, 3, 3}, {16, 4, 4}, {20, 4, 5}, {64, 8, 8}, {0, 4, 4}};
+  for (const auto& grid : grids) {
+    const std::uint32_t n = grid.columns * grid.rows;
+    for (const std::uint32_t block : {0u, 1u, 5u}) {
+      std::array<std::set<std::uint32_t>, 12> cells, lines;
+      for (std::uint32_t i = block * n; i < (block + 1) * n; ++i) {
+        Sampler sampler(3, 4, i, SamplerKind::stratified, grid.samples);
+        for (std::size_t pair = 0; pair < cells.size(); ++pair) {
+          const V2f u = sampler.next_2d();
+          cells[pair].insert(static_cast<std::uint32_t>(u.x * static_cast<float>(grid.columns)) * 100 +
+                             static_cast<std::uint32_t>(u.y * static_cast<float>(grid.rows)));
+          lines[pair].insert(static_cast<std::uint32_t>(sampler.next_1d() * static_cast<float>(n)));
+        }
+      }
+      for (std::size_t pair = 0; pair < cells.size(); ++pair) {
+        EXPECT_EQ(cells[pair].size(), n) << grid.samples << " samples, block " << block << ", pair " << pair;
+        EXPECT_EQ(lines[pair].size(), n) << grid.samples << " samples, block " << block << ", pair " << pair;
+      }
+    }
+  }
+}
+
+// The order in which the cells are taken is random: each sample lands in each cell equally often, and two
+// samples in each pair of cells.
+TEST(SamplerKinds, StratifiedCellsAreTakenInRandomOrder) {
+  constexpr std::uint32_t n = 6, streams = 60000;
+  std::vector<double> first(n, 0.0), both(n * n, 0.0);
+  for (std::uint32_t stream = 0; stream < streams; ++stream) {
+    const auto cell = [&](std::uint32_t i) {
+      Sampler sampler(1, stream, i, SamplerKind::stratified, n);
+      const V2f u = sampler.next_2d();
+      return static_cast<std::uint32_t>(u.x * 2.0f) + 2 * static_cast<std::uint32_t>(u.y * 3.0f);
+    };
+    const std::uint32_t a = cell(0), b = cell(4);
+    first[a] += 1.0;
+    both[a * n + b] += 1.0;
+  }
+  std::vector<double> expected(n * n, streams / (n * (n - 1.0)));
+  for (std::uint32_t i = 0; i < n; ++i) expected[i * n + i] = 0.0;
+  const double level = test::sidak(1e-3, 2);
+  EXPECT_GT(test::chi2_test(first, std::vector<double>(n, streams / static_cast<double>(n))), level);
+  EXPECT_GT(test::chi2_test(both, expected), level);
+}
+
+// Each sample of every kind alone is uniform, in shallow and deep dimensions: what makes every mean unbiased.
+TEST(SamplerKinds, EachSampleIsUniformOverTheStreams) {
+  constexpr int cells = 8;
+  constexpr std::uint32_t streams = 10000;
+  const std::vector<double> expected(cells * cells, streams / static_cast<double>(cells * cells));
+  const std::uint32_t indices[] = {0, 1, 7, 63, 1000};
+  const double level = test::sidak(1e-3, std::size(kinds) * std::size(indices) * 2);
+  for (const SamplerKind kind : kinds)
+    for (const std::uint32_t index : indices)
+      for (const int skipped : {0, 9}) {
+        std::vector<double> seen(cells * cells, 0.0);
+        for (std::uint32_t stream = 0; stream < streams; ++stream) {
+          Sampler sampler(17, stream, index, kind, 10);
+          for (int k = 0; k < skipped; ++k) sampler.next_2d();
+          const V2f u = sampler.next_2d();
+          seen[static_cast<std::size_t>(u.x * cells) * cells + static_cast<std::size_t>(u.y * cells)] += 1.0;
+        }
+        EXPECT_GT(test::chi2_test(seen, expected), level)
+            << name_of_value<SamplerKind>(sampler_names, kind) << " sample " << index << " after " << skipped;
+      }
+}
+
+// The mean of a smooth function, over streams that are independent: a z-test, for every kind and also for
+// numbers of samples that fill neither a net nor a grid.
+TEST(SamplerKinds, MeansOfASmoothFunctionAreUnbiased) {
+  const double exact = (std::exp(1.0) - 1.0) * std::sin(1.0);
+  const int counts[] = {1, 3, 16, 37};
+  const double level = test::sidak(1e-3, std::size(kinds) * std::size(counts));
+  for (const SamplerKind kind : kinds)
+    for (const int n : counts) {
+      test::Estimate estimate;
+      for (std::uint32_t stream = 0; stream < 2000; ++stream) {
+        double mean = 0.0;
+        for (int i = 0; i < n; ++i) {
+          Sampler sampler(5, stream, static_cast<std::uint32_t>(i), kind, static_cast<std::uint32_t>(n));
+          const V2f u = sampler.next_2d();
+          mean += std::exp(u.x) * std::cos(u.y) / n;
+        }
+        estimate.add(mean);
+      }
+      // Numbers of 24 bits rounded down: half a step too low.
+      const double z = std::max(std::abs(estimate.mean() - exact) - 0x1p-24, 0.0) / estimate.standard_error();
+      EXPECT_GT(test::two_sided_p(z), level) << name_of_value<SamplerKind>(sampler_names, kind) << " " << n;
+    }
+}
+
+// Independent samples err with variance s^2/n exactly; stratified ones with less, Sobol ones with least.
+TEST(SamplerKinds, ErrorsAreRankedAsPromised) {
+  const auto variance = [](SamplerKind kind) {
+    test::Estimate estimate;
+    for (std::uint32_t stream = 0; stream < 1000; ++stream) {
+      double mean = 0.0;
+      for (std::uint32_t i = 0; i < 64; ++i) {
+        Sampler sampler(6, stream, i, kind, 64);
+        const V2f u = sampler.next_2d();
+        mean += u.x * u.y / 64.0;
+      }
+      estimate.add(mean);
+    }
+    return estimate.variance();
+  };
+  const double independent = variance(SamplerKind::independent), expected = (1.0 / 9.0 - 1.0 / 16.0) / 64.0;
+  EXPECT_NEAR(independent / expected, 1.0, 0.2);  // 4.5 standard errors
+  EXPECT_LT(variance(SamplerKind::stratified), independent / 20.0);
+  EXPECT_LT(variance(SamplerKind::sobol), variance(SamplerKind::stratified) / 2.0);
+}
+
+TEST(SamplerKinds, ArePureFunctionsAndStreamsDiffer) {
+  for (const SamplerKind kind : kinds) {
+    Sampler a(5, 6, 7, kind, 16), b(5, 6, 7, kind, 16), other(5, 8, 7, kind, 16), next(5, 6, 8, kind, 16);
+    const V2f u = a.next_2d();
+    EXPECT_EQ(u, b.next_2d());
+    EXPECT_NE(u, other.next_2d());
+    EXPECT_NE(u, next.next_2d());
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -60,6 +61,7 @@ TEST_F(Program, HelpAndVersionSucceed) {
 TEST_F(Program, WrongUsageExitsWithTwo) {
   for (const char* arguments :
        {"", "paint", "render", "render a.xml", "render a.xml -o b.exr --spp 0", "render a.xml -o b.exr --bogus",
+        "render a.xml -o b.exr --clamp-direct 0", "render a.xml -o b.exr --clamp-indirect -1",
         "render a.xml -o b.exr --camera 1,2,3", "compare a.exr", "solve a.xml",
         "solve a.xml -o b.ply --elements 0", "solve a.xml -o b.ply --hemicube-resolution 1",
         "render a.xml -o b.exr --solution c.radiosity --solver lu",
@@ -80,6 +82,7 @@ TEST_F(Program, ErrorsAreOneLineOfWhereWhatAndWhatToDoWithExitCodeOne) {
       {"render " + box_ + "-o a.gif", ".exr"},
       {"render " + box_ + "-o nowhere/a.exr", "nowhere"},
       {"render " + box_ + "-o a.exr --integrator magic", "twopass, path, radiosity, direct"},
+      {"render " + box_ + "-o a.exr --sampler magic", "sobol, independent, stratified"},
       {"render " + box_ + "-o a.exr --solver magic", "gauss-seidel"},
       {"render '" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' -o a.exr --size 0x4", "WIDTHxHEIGHT"},
       {"render " + box_ + "-o a.png --ocio config.ocio", "config.ocio"},
@@ -136,6 +139,51 @@ TEST_F(Program, SameBytesOnOneAndTwoThreadsAndOtherBytesWithAnotherSeed) {
     EXPECT_EQ(read(folder_ / "one.exr"), read(folder_ / "two.exr")) << integrator;
     EXPECT_NE(read(folder_ / "one.exr"), read(folder_ / "seed.exr")) << integrator;
   }
+}
+
+TEST_F(Program, EverySamplerOnAnyNumberOfThreads) {
+  std::set<std::string> pictures;
+  for (const std::string sampler : {"sobol", "independent", "stratified"}) {
+    const std::string arguments = "render " + box_ + "--integrator direct --spp 4 --sampler " + sampler;
+    ASSERT_EQ(run(arguments + " -o one.exr --threads 1").exit_code, 0);
+    ASSERT_EQ(run(arguments + " -o two.exr --threads 2 --stats s.json").exit_code, 0);
+    EXPECT_EQ(read(folder_ / "one.exr"), read(folder_ / "two.exr")) << sampler;
+    EXPECT_EQ(nlohmann::json::parse(read(folder_ / "s.json"))["render"]["sampler"], sampler);
+    pictures.insert(read(folder_ / "one.exr"));
+  }
+  EXPECT_EQ(pictures.size(), 3u);
+  ASSERT_EQ(run("render " + box_ + "--integrator direct --spp 4 -o one.exr").exit_code, 0);
+  EXPECT_TRUE(pictures.contains(read(folder_ / "one.exr")));
+}
+
+TEST_F(Program, ANoiseGoalStopsPixelsEarlyAndSaysSo) {
+  const std::string arguments = "render " + box_ + "--integrator path --noise 0.06";
+  const Outcome one = run(arguments + " -o one.exr --threads 1 --stats s.json");
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  ASSERT_EQ(run(arguments + " -o two.exr --threads 2").exit_code, 0);
+  EXPECT_EQ(read(folder_ / "one.exr"), read(folder_ / "two.exr"));
+  EXPECT_NE(one.out.find("(stopped by noise)"), std::string::npos) << one.out;
+  EXPECT_NE(one.out.find("% of the pixels stopped early"), std::string::npos) << one.out;
+  const auto stats = nlohmann::json::parse(read(folder_ / "s.json"));
+  EXPECT_EQ(stats["render"]["stop_reason"], "noise");
+  EXPECT_GT(stats["render"]["pixels_stopped_early"], 0.1);
+  EXPECT_LE(stats["render"]["relative_error"], 0.06);
+}
+
+TEST_F(Program, ClampsAreSaidEverywhere) {
+  const std::string arguments = "render " + box_ + "--integrator path --spp 4 -o a.exr --stats s.json ";
+  const Outcome result = run(arguments + "--clamp-direct 4 --clamp-indirect 0.5");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string words = "direct light clamped to 4, indirect light clamped to 0.5";
+  EXPECT_NE(result.out.find("biased: " + words + " W/(m2 sr)"), std::string::npos) << result.out;
+  EXPECT_NE(read(folder_ / "a.exr").find(words), std::string::npos) << "twopass/bias";
+  EXPECT_EQ(nlohmann::json::parse(read(folder_ / "s.json"))["render"]["bias"], words);
+  const std::string clamped = read(folder_ / "a.exr");
+  const Outcome free = run(arguments);
+  EXPECT_EQ(free.out.find("biased"), std::string::npos);
+  EXPECT_EQ(read(folder_ / "a.exr").find("twopass/bias"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(read(folder_ / "s.json"))["render"]["bias"].is_null());
+  EXPECT_NE(read(folder_ / "a.exr"), clamped);
 }
 
 const std::string cornell_box = "'" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' ";

@@ -131,7 +131,7 @@ TEST_P(References, PathAgreesWithinTheNoise) {
     const double z = (sum_ours[c] - sum_expected[c]) / std::sqrt(sum_variance[c] + 1e-30);
     worst = std::max(worst, std::abs(z));
     char text[80];
-    std::snprintf(text, sizeof text, " %.5f (z %+.1f)", sum_ours[c] / sum_expected[c], z);
+    std::snprintf(text, sizeof text, " %.5f (z %+.1f)", sum_expected[c] > 0.0 ? sum_ours[c] / sum_expected[c] : 1.0, z);
     report += text;
   }
   std::printf("%-28s energy%s, %.3f %% of the values differ\n", name.c_str(), report.c_str(), 100.0 * failing);

@@ -32,7 +32,7 @@ const CameraDescription description{look_at({0.5, 0.1, 0.5}, {0.5, 1, 0.5}, {0, 
 
 RenderOutcome run(const Integrator& integrator, Film& film, const SamplingGoal& goal, std::uint32_t seed = 1) {
   const Camera camera(description, film.width(), film.height());
-  return render_image({integrator, camera, box_filter(), goal, seed, {}}, film);
+  return render_image({integrator, camera, box_filter(), goal, seed, SamplerKind::sobol, {}}, film);
 }
 
 TEST(RenderImage, TakesExactlyTheSamplesAskedFor) {

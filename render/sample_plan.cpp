@@ -1,0 +1,149 @@
+#include "render/sample_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace twopass {
+
+namespace {
+
+constexpr int window_radius = 2;  // pixels
+
+// The mean share of the pixels around one; of the pixel itself where there are no others.
+double share_around(const std::vector<double>& shares, int width, int height, int x, int y) {
+  double sum = 0.0;
+  int count = 0;
+  for (int j = std::max(y - window_radius, 0); j <= std::min(y + window_radius, height - 1); ++j)
+    for (int i = std::max(x - window_radius, 0); i <= std::min(x + window_radius, width - 1); ++i) {
+      if (i == x && j == y) continue;
+      sum +=
+          shares[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)];
+      ++count;
+    }
+  return count > 0 ? sum / count : shares.front();
+}
+
+}  // namespace
+
+SampleShares::SampleShares(const Film& pilot)
+    : pilot_samples_(static_cast<std::uint32_t>(pilot.pixel(0, 0).samples)) {
+  constexpr double most_variance = 1e30;  // infinities would leave nothing for the others
+  const int width = pilot.width(), height = pilot.height();
+  std::vector<double> variances, roots, shares;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      variances.push_back(std::min(pilot.pixel(x, y).relative_variance(), most_variance));
+      roots.push_back(std::sqrt(variances.back()));
+    }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) shares.push_back(share_around(roots, width, height, x, y));
+  const double mean_share =
+      std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+  // Between a sixteenth and sixteen times the mean: where the pilot saw no scatter there may be some, and
+  // where it saw much that may have been one bright sample.
+  constexpr int middle = most_octaves * octave;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const double relative = mean_share > 0.0 ? shares[i] / mean_share : 1.0;
+    const double level = relative > 0.0 ? octave * std::log2(relative) : -middle;
+    levels_.push_back(
+        static_cast<std::uint8_t>(std::lround(std::clamp<double>(level, -middle, middle)) + middle));
+    Bin& bin = bins_[levels_.back()];
+    bin.pixels += 1.0;
+    bin.variance += variances[i];
+  }
+}
+
+std::uint32_t SampleShares::samples_of(int level, int step) const {
+  const int above = std::max(level + step - 2 * most_octaves * octave, 0);
+  std::uint64_t samples = std::uint64_t{pilot_samples_} << std::min(above / octave, 32);
+  if (above % octave >= octave / 2) samples += samples / 2;
+  return static_cast<std::uint32_t>(std::min(samples, std::uint64_t{most_samples_per_pixel}));
+}
+
+double SampleShares::total(int step) const {
+  double sum = 0.0;
+  for (int level = 0; level < levels; ++level)
+    sum += bins_[static_cast<std::size_t>(level)].pixels * samples_of(level, step);
+  return sum;
+}
+
+double SampleShares::expected_relmse(int step) const {
+  double sum = 0.0;
+  for (int level = 0; level < levels; ++level)
+    sum += bins_[static_cast<std::size_t>(level)].variance / samples_of(level, step);
+  return sum / static_cast<double>(levels_.size());
+}
+
+double SampleShares::gain(int step) const {
+  double variance = 0.0;
+  for (const Bin& bin : bins_) variance += bin.variance;
+  const double shared = expected_relmse(step) * total(step);
+  return shared > 0.0 ? variance / shared : 1.0;
+}
+
+int SampleShares::step_for(double relmse, int from, double most) const {
+  constexpr int last = (2 * most_octaves + 16) * octave;  // here every pixel has the most that it may have
+  int step = from;
+  while (step < last && expected_relmse(step) > relmse && total(step + 1) <= most) ++step;
+  return step;
+}
+
+double SamplePlan::pixels() const { return static_cast<double>(film_.width()) * film_.height(); }
+
+double SamplePlan::limit() const {
+  return goal_.samples_per_pixel > 0 ? goal_.samples_per_pixel : most_samples_per_pixel;
+}
+
+bool SamplePlan::next() {
+  before_ = after_;
+  if (goal_.relative_error > 0.0 && before_ > 0.0) {
+    error_ = film_.relative_error();
+    if (error_ <= goal_.relative_error) {
+      stop_reason_ = "noise";
+      return false;
+    }
+    if (shares_.empty() && before_ >= pilot_samples_) end_pilot();
+  }
+  if (shares_.empty() ? next_uniform() : next_shared()) return true;
+  stop_reason_ = "samples";
+  return false;
+}
+
+// Passes are the batches of the error estimate: enough of them to be one, few enough to cost nothing.
+bool SamplePlan::next_uniform() {
+  const double wanted = goal_.relative_error > 0.0 || goal_.samples_per_pixel == 0
+                            ? 8.0
+                            : std::clamp(std::floor(limit() / 8.0), 1.0, 16.0);
+  after_ = std::min(before_ + wanted, limit());
+  return after_ > before_;
+}
+
+void SamplePlan::end_pilot() {
+  constexpr double most_growth = 8.0, least_gain = 1.05;
+  SampleShares shares(film_);
+  const int step = shares.step_for(goal_.relative_error * goal_.relative_error, 0, limit() * pixels());
+  if (shares.total(step) > most_growth * before_ * pixels() || shares.gain(step) < least_gain)
+    pilot_samples_ *= 2;
+  else
+    shares_.push_back(std::move(shares));
+}
+
+// At most twice the samples there are, and then another look at the error.
+bool SamplePlan::next_shared() {
+  const SampleShares& shares = shares_.front();
+  const double goal = goal_.relative_error / error_;
+  const double most = std::min(2.0 * shares.total(step_), limit() * pixels());
+  step_ = shares.step_for(shares.expected_relmse(step_) * goal * goal, step_, most);
+  after_ = shares.total(step_) / pixels();
+  return after_ > before_;
+}
+
+SampleRange SamplePlan::range(int x, int y) const {
+  if (shares_.empty()) return {static_cast<std::uint32_t>(before_), static_cast<std::uint32_t>(after_)};
+  const std::size_t i =
+      static_cast<std::size_t>(y) * static_cast<std::size_t>(film_.width()) + static_cast<std::size_t>(x);
+  return {static_cast<std::uint32_t>(film_.pixel(x, y).samples), shares_.front().samples(i, step_)};
+}
+
+}  // namespace twopass
