@@ -67,7 +67,16 @@ void perturb(const NormalMap& map, ShadingGeometry& at) {
   turn(at, n, map.options);
 }
 
-// A model that has something to say of its back transmits light to it.
+// The model has something to say of the back of its surface.
+bool has_back(const Bsdf& bsdf) {
+  return std::visit(
+      [](const auto& model) {
+        return requires { model.from_behind(); };
+      },
+      bsdf);
+}
+
+// Models with a back transmit light to it unless they say otherwise.
 bool transmits(const Bsdf& bsdf) {
   return std::visit(
       [](const auto& model) {
@@ -198,8 +207,8 @@ C3f diffuse_reflectance_of(const MaterialNode& node, const V2f& uv) {
 MaterialNodePtr behind(const MaterialNodePtr& node) {
   MaterialNode result = *node;
   if (auto* model = std::get_if<TexturedModel>(&result.kind)) {
+    if (!has_back(model->bsdf)) model->textures.clear();
     model->bsdf = seen_from_behind(model->bsdf);
-    if (model->bsdf.index() != std::get<TexturedModel>(node->kind).bsdf.index()) model->textures.clear();
   } else if (auto* mixture = std::get_if<Mixture>(&result.kind)) {
     mixture->first = behind(mixture->first);
     mixture->second = behind(mixture->second);

@@ -77,7 +77,14 @@ C3f color_at(const Texture& texture, const V2f& uv) {
   return std::visit([&](const auto& kind) { return color_of(kind, uv); }, texture);
 }
 
-float number_at(const Texture& texture, const V2f& uv) { return grey(color_at(texture, uv)); }
+float number_at(const Texture& texture, const V2f& uv) {
+  // Mitsuba exchanges the two where a number is wanted; scenes made with it rely on that.
+  if (const auto* checkerboard = std::get_if<Checkerboard>(&texture)) {
+    const Checkerboard exchanged{checkerboard->color1, checkerboard->color0, checkerboard->to_uv};
+    return grey(color_of(exchanged, uv));
+  }
+  return grey(color_at(texture, uv));
+}
 
 V2f gradient_at(const Texture& texture, const V2f& uv) {
   const auto* bitmap = std::get_if<Bitmap>(&texture);

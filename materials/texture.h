@@ -39,7 +39,8 @@ using Texture = std::variant<C3f, Checkerboard, Bitmap>;
 
 /// The colour at texture coordinates `uv`. Coordinates that are not finite read as 0.
 C3f color_at(const Texture& texture, const V2f& uv);
-/// The number at `uv`: the luminance of the colour; of a grey colour, exactly its value.
+/// The number at `uv`: the luminance of the colour; of a grey colour, exactly its value. Checkerboards have their two
+/// colours exchanged, as in Mitsuba.
 float number_at(const Texture& texture, const V2f& uv);
 /// Derivatives of number_at by u and v. Of a bitmap, those of its bilinear patch (M27), 0 where it is
 /// `nearest`.

@@ -23,7 +23,8 @@ struct EnvironmentSample {
 class Environment {
  public:
   /// The same radiance from all directions; black is no environment.
-  explicit Environment(const C3f& constant = C3f(0.0f)) : kind_(constant) {}
+  explicit Environment(const C3f& constant) : kind_(constant) {}
+  Environment() : Environment(C3f(0.0f)) {}
   explicit Environment(std::shared_ptr<const EnvironmentMap> map) : kind_(std::move(map)) {}
   explicit Environment(std::shared_ptr<const SunSky> sky) : kind_(std::move(sky)) {}
 

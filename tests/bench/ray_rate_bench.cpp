@@ -6,6 +6,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "integrators/direct_light.h"
 #include "integrators/path.h"
 #include "render/core/parallel.h"
 #include "render/load/load.h"
@@ -32,7 +33,7 @@ struct BenchScene {
  private:
   static SceneDescription lit(SceneDescription description) {
     if (std::none_of(description.shapes.begin(), description.shapes.end(), is_emitter))
-      description.sky = C3f(1.0f);
+      description.environment = Environment(C3f(1.0f));
     return description;
   }
   static CameraDescription camera_of(const Scene& scene) {

@@ -13,7 +13,7 @@ namespace {
 SceneDescription mixed_scene() {
   SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(2.0f), C3f(0.7f));
   scene.shapes.erase(scene.shapes.begin() + 1);
-  scene.sky = C3f(0.3f);
+  scene.environment = Environment(C3f(0.3f));
   test::add_diffuse(scene, "lamp", Sphere{V3f(0.3f, 0.3f, 0.8f), 0.1f, false}, C3f(0.0f), C3f(5.0f));
   test::add_box(scene, "mirror", V3f(0.1f, 0.5f, 0.1f), V3f(0.3f, 0.7f, 0.5f),
                 one_sided("mirror", Conductor{}));

@@ -1,5 +1,6 @@
 #include "render/load/mitsuba_bsdfs.h"
 
+#include "materials/conductor_presets.h"
 #include "tests/load/load_fixture.h"
 
 namespace twopass {
@@ -60,19 +61,26 @@ TEST_F(MitsubaBsdfs, ConductorByIndex) {
   const std::string index = "<rgb name='eta' value='0.2 0.9 1.1'/><rgb name='k' value='3.9 2.4 2.1'/>";
   const auto metal = std::get<Conductor>(
       read("<bsdf type='conductor'>" + index + "<rgb name='specular_reflectance' value='0.9'/></bsdf>")
-          .side[front].uniform());
+          .side[front]
+          .uniform());
   EXPECT_EQ(metal.eta, C3f(0.2f, 0.9f, 1.1f));
   EXPECT_EQ(metal.k, C3f(3.9f, 2.4f, 2.1f));
   EXPECT_EQ(metal.specular_reflectance, C3f(0.9f));
   const auto in_water = std::get<Conductor>(
-      read("<bsdf type='conductor'>" + index + "<float name='extEta' value='2'/></bsdf>", "0.6.0").side[front].uniform());
+      read("<bsdf type='conductor'>" + index + "<float name='extEta' value='2'/></bsdf>", "0.6.0")
+          .side[front]
+          .uniform());
   expect_near(in_water.k, {1.95f, 1.2f, 1.05f});
 }
 
-TEST_F(MitsubaBsdfs, ConductorPresetsAreRefused) {
-  expect_error([&] { read("<bsdf type='conductor'>\n<string name='material' value='Au'/></bsdf>"); },
-               {"scene.xml:3: metals by name ('Au') are not supported yet", "give eta and k"});
-  expect_error([&] { read("<bsdf type='conductor'/>", "0.6.0"); }, {"metals by name ('Cu')"});
+TEST_F(MitsubaBsdfs, ConductorsByName) {
+  const Material gold = read("<bsdf type='conductor'><string name='material' value='Au'/></bsdf>");
+  EXPECT_EQ(std::get<Conductor>(gold.side[front].uniform()).k, conductor_index_of("Au", "").k);
+  // Mitsuba 1 took copper for granted.
+  const Material copper = read("<bsdf type='roughconductor'/>", "0.6.0");
+  EXPECT_EQ(std::get<RoughConductor>(copper.side[front].uniform()).eta, conductor_index_of("Cu", "").eta);
+  expect_error([&] { read("<bsdf type='conductor'>\n<string name='material' value='Xx'/></bsdf>"); },
+               {"scene.xml:3:", "'Xx'", "Au"});
   expect_error([&] { read("<bsdf type='conductor'><rgb name='eta' value='1'/></bsdf>"); },
                {"both 'eta' and 'k'"});
   expect_error(
@@ -112,12 +120,87 @@ TEST_F(MitsubaBsdfs, DielectricColours) {
 }
 
 TEST_F(MitsubaBsdfs, UnsupportedModelsAreRefused) {
-  expect_error(
-      [&] { read("<bsdf type='twosided'>\n<bsdf type='roughplastic'/></bsdf>"); },
-      {"scene.xml:3: bsdf 'roughplastic' is not supported; supported bsdfs: conductor, dielectric, diffuse, "
-       "twosided"});
+  expect_error([&] { read("<bsdf type='twosided'>\n<bsdf type='hair'/></bsdf>"); },
+               {"scene.xml:3: bsdf 'hair' is not supported; supported bsdfs: blendbsdf, bumpmap, conductor, "
+                "dielectric"});
   expect_error([&] { read("<bsdf type='diffuse'>\n<rgb name='reflectnace' value='1'/></bsdf>"); },
                {"scene.xml:3: bsdf 'diffuse' has no property 'reflectnace'; its properties: reflectance"});
+}
+
+// Every model by its defaults, in the variant's order.
+TEST_F(MitsubaBsdfs, EveryModelHasAPlugin) {
+  for (std::size_t i = 0; i < std::size(model_names); ++i) {
+    const Material material = read("<bsdf type='" + std::string(model_names[i]) + "'/>");
+    ASSERT_TRUE(material.side[front].is_uniform()) << model_names[i];
+    EXPECT_EQ(material.side[front].uniform().index(), i) << model_names[i];
+  }
+}
+
+TEST_F(MitsubaBsdfs, ParametersAreReadByName) {
+  const Material plastic = read(
+      "<bsdf type='roughplastic'><rgb name='diffuse_reflectance' value='.1,.2,.3'/><float name='alpha' "
+      "value='.3'/>"
+      "<string name='distribution' value='ggx'/><boolean name='nonlinear' value='true'/>"
+      "<float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>");
+  const auto& model = std::get<RoughPlastic>(plastic.side[front].uniform());
+  EXPECT_EQ(model.base_reflectance, C3f(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(model.alpha, 0.3f);
+  EXPECT_EQ(model.distribution, Microfacet::ggx);
+  EXPECT_TRUE(model.nonlinear);
+  EXPECT_EQ(model.eta, 1.5f);
+  const Material metal = read(
+      "<bsdf type='roughconductor'><float name='alpha_u' value='.1'/><float name='alpha_v' "
+      "value='.4'/></bsdf>");
+  EXPECT_EQ(std::get<RoughConductor>(metal.side[front].uniform()).alpha_v, 0.4f);
+  const Material disney = read("<bsdf type='principled'><float name='specular' value='.2'/></bsdf>");
+  EXPECT_EQ(std::get<Principled>(disney.side[front].uniform()).eta, eta_of_specular(0.2f));
+  expect_error([&] { read("<bsdf type='principled'>\n<float name='roughness' value='1.5'/></bsdf>"); },
+               {"scene.xml:3: roughness is out of range; must be between 0 and 1"});
+  expect_error(
+      [&] {
+        read("<bsdf type='ward'>\n<float name='alpha' value='.1'/><float name='alpha_u' value='.1'/></bsdf>");
+      },
+      {"scene.xml:3: 'alpha' is given together with"});
+  expect_error([&] { read("<bsdf type='roughplastic'>\n<string name='distribution' value='blinn'/></bsdf>"); },
+               {"scene.xml:3:", "beckmann", "ggx"});
+}
+
+TEST_F(MitsubaBsdfs, TexturesMixturesAndMaps) {
+  const std::string board = "<texture name='NAME' type='checkerboard'><rgb name='color0' value='1'/></texture>";
+  const auto named = [&](const std::string& name) {
+    std::string text = board;
+    return text.replace(text.find("NAME"), 4, name);
+  };
+  const Material textured = read("<bsdf type='diffuse'>" + named("reflectance") + "</bsdf>");
+  EXPECT_FALSE(textured.side[front].is_uniform());
+  EXPECT_FLOAT_EQ(textured.side[front].diffuse_reflectance(V2f(0.1f, 0.1f)).x, 1.0f);
+  EXPECT_FLOAT_EQ(textured.side[front].diffuse_reflectance(V2f(0.6f, 0.1f)).x, 0.2f);
+  const Material mask =
+      read("<bsdf type='mask'><float name='opacity' value='.25'/><bsdf type='diffuse'/></bsdf>");
+  EXPECT_FLOAT_EQ(mask.side[front].transparency(V2f(0, 0)), 0.75f);
+  EXPECT_FLOAT_EQ(mask.side[back].transparency(V2f(0, 0)), 0.75f);
+  const Material blend = read(
+      "<bsdf type='blendbsdf'><float name='weight' value='.25'/><bsdf type='diffuse'/><bsdf "
+      "type='conductor'/></bsdf>");
+  EXPECT_FLOAT_EQ(blend.side[front].traits().mean_diffuse_reflectance.x, 0.375f);
+  const Material mixture = read(
+      "<bsdf type='mixturebsdf'><string name='weights' value='.2, .3'/><bsdf type='diffuse'/>"
+      "<bsdf type='diffuse'><rgb name='reflectance' value='1'/></bsdf></bsdf>");
+  EXPECT_FLOAT_EQ(mixture.side[front].traits().mean_diffuse_reflectance.x, 0.2f * 0.5f + 0.3f);
+  const Material bump = read("<bsdf type='bumpmap'>" + named("height") +
+                             "<bsdf type='twosided'><bsdf type='diffuse'/></bsdf></bsdf>");
+  EXPECT_FLOAT_EQ(bump.side[back].traits().mean_diffuse_reflectance.x, 0.5f);
+  expect_error([&] { read("<bsdf type='bumpmap'>\n<bsdf type='diffuse'/></bsdf>"); }, {"holds no texture"});
+  expect_error([&] { read("<bsdf type='mask'/>"); }, {"bsdf 'mask' holds no bsdf"});
+  expect_error([&] { read("<bsdf type='blendbsdf'><bsdf type='diffuse'/><bsdf type='diffuse'/></bsdf>"); },
+               {"has no weight"});
+  expect_error(
+      [&] {
+        read(
+            "<bsdf type='diffuse'><texture name='reflectance' type='bitmap'>\n<string name='filename' "
+            "value='no.png'/></texture></bsdf>");
+      },
+      {"scene.xml:3:", "no.png"});
 }
 
 TEST_F(MitsubaBsdfs, SharedMaterialsAreReadOnce) {

@@ -54,10 +54,10 @@ double albedo_of(const Model& model) {
 TEST(Dielectric, TransmitsBackTheWayItCame) {
   const Material glass = interface_material("glass", Dielectric{1.5f, C3f(1.0f), C3f(1.0f)});
   const V3f wo = direction(0.8f, 0.5f);
-  const auto in = sample(glass.side[front], wo, V2f(0.999f, 0.0f));
+  const auto in = sample(glass.side[front].uniform(), wo, V2f(0.999f, 0.0f));
   ASSERT_LT(in->wi.z, 0.0f);
   // Seen from inside, +z points to the inside.
-  const auto out = sample(glass.side[back], V3f(in->wi.x, in->wi.y, -in->wi.z), V2f(0.999f, 0.0f));
+  const auto out = sample(glass.side[back].uniform(), V3f(in->wi.x, in->wi.y, -in->wi.z), V2f(0.999f, 0.0f));
   ASSERT_LT(out->wi.z, 0.0f);
   EXPECT_NEAR(out->wi.x, wo.x, 1e-5f);
   EXPECT_NEAR(out->wi.y, wo.y, 1e-5f);
@@ -118,10 +118,9 @@ TEST(RoughDielectric, TendsToTheSmoothOne) {
 TEST(RoughDielectric, IsReciprocalAcrossTheInterface) {
   for (const Microfacet type : {Microfacet::beckmann, Microfacet::ggx})
     for (const float eta : {1.5f, 0.6f}) {
-      const Material glass =
-          interface_material("g", RoughDielectric{eta, C3f(1.0f), C3f(0.7f), 0.2f, 0.4f, type});
-      const auto &outside = std::get<RoughDielectric>(glass.side[front]),
-                 &inside = std::get<RoughDielectric>(glass.side[back]);
+      const Material glass = material_of("g", RoughDielectric{eta, C3f(1.0f), C3f(0.7f), 0.2f, 0.4f, type});
+      const auto &outside = std::get<RoughDielectric>(glass.side[front].uniform()),
+                 &inside = std::get<RoughDielectric>(glass.side[back].uniform());
       int compared = 0;
       for (const float c : {0.9f, 0.5f, 0.2f})
         for (std::uint32_t i = 0; i < 100; ++i) {

@@ -172,7 +172,7 @@ TEST(Lights, DensitiesOverAllDirectionsAddUpToOne) {
   test::add_diffuse(description, "lamp", test::quad(V3f(-0.5f, 0.5f, 1), V3f(1, 0, 0), V3f(0, -1, 0)),
                     C3f(0.0f), C3f(3.0f));
   test::add_diffuse(description, "bulb", Sphere{V3f(3, 0, 1), 0.9f, false}, C3f(0.0f), C3f(1.0f));
-  description.sky = C3f(0.2f);
+  description.environment = Environment(C3f(0.2f));
   const Scene scene(description);
   for (const bool is_diffuse : {true, false}) {
     const Receiver receiver{V3f(0.2f, 0.1f, 0), V3f(0, 0, 1), is_diffuse};
@@ -198,7 +198,7 @@ TEST(Lights, DensitiesOverAllDirectionsAddUpToOne) {
 // The shadow ray to what is infinitely far away ends outside of everything.
 TEST(Lights, SamplesOfTheSkyEndOutside) {
   SceneDescription description = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
-  description.sky = C3f(1.0f);
+  description.environment = Environment(C3f(1.0f));
   const Scene scene(description);
   for (std::uint32_t i = 0; i < 500; ++i) {
     const V3f p(0.5f, 0.5f, 0.5f);
