@@ -31,6 +31,14 @@ bool complete(LightPolygon& polygon) {
   if (!(length > 0.0)) return false;
   polygon.normal = area_vector / length;
   polygon.area = 0.5 * length;
+  V3d middle(0.0);
+  for (int i = 0; i < polygon.corners; ++i) middle += V3d(c[i]);
+  polygon.middle = V3f(middle / static_cast<double>(polygon.corners));
+  for (int i = 0; i < polygon.corners; ++i)
+    polygon.reach2 = std::max(polygon.reach2, (c[i] - polygon.middle).length2());
+  if (polygon.corners == 4)
+    polygon.first_share =
+        static_cast<float>(0.5 * (V3d(c[1]) - origin).cross(V3d(c[2]) - origin).length() / polygon.area);
   polygon.offset = rounding_offset({c[0], c[1], c[2]});
   if (polygon.corners == 3) return true;
   polygon.offset = std::max(polygon.offset, rounding_offset({c[1], c[2], c[3]}));

@@ -50,9 +50,9 @@ V3f uniform_point(const LightPolygon& polygon, const V2f& u) {
     const V2f b = square_to_triangle(u);
     return c[0] + (c[1] - c[0]) * b.x + (c[2] - c[0]) * b.y;
   }
+  if (polygon.is_parallelogram) return c[0] + (c[1] - c[0]) * u.x + (c[3] - c[0]) * u.y;
   // One of the two triangles on the diagonal from the first corner.
-  const V3d diagonal = V3d(c[2]) - V3d(c[0]);
-  const auto share = static_cast<float>(0.5 * (V3d(c[1]) - V3d(c[0])).cross(diagonal).length() / polygon.area);
+  const float share = polygon.first_share;
   const bool is_first = u.x < share;
   const float x = is_first ? u.x / share : (u.x - share) / (1.0f - share);
   const V2f b = square_to_triangle({std::min(x, 1.0f), u.y});
@@ -79,14 +79,24 @@ PolygonTechnique choose(const LightPolygon& polygon, const Receiver& receiver, c
   return receiver.is_diffuse ? PolygonTechnique::projected : PolygonTechnique::solid_angle;
 }
 
+// From afar the integrand is even enough not to be looked at: what noise remains is less than what shadows and
+// the rest of the path have (measured in pictures, render/scene/README.md).
+bool is_far(const LightPolygon& polygon, const Receiver& receiver) {
+  constexpr float far_reach2 = 0.1f;  // distances of more than three times the reach
+  const V3f to_middle = polygon.middle - receiver.position;
+  return polygon.reach2 < far_reach2 * to_middle.dot(to_middle);
+}
+
 }  // namespace
 
 PolygonTechnique choose_technique(const LightPolygon& polygon, const Receiver& receiver) {
+  if (is_far(polygon, receiver)) return PolygonTechnique::area;
   return choose(polygon, receiver, integrand_over(polygon, receiver));
 }
 
 PolygonView::PolygonView(const LightPolygon& polygon, const Receiver& receiver)
     : polygon_(polygon), receiver_(receiver), height_(-polygon.normal.dot(to_corner(0))) {
+  if (is_far(polygon, receiver)) return;
   const Integrand f = integrand_over(polygon, receiver);
   prepare(choose(polygon, receiver, f), f.corner);
 }
