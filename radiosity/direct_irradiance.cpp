@@ -4,6 +4,7 @@
 
 #include "radiosity/form_factor_pair.h"
 #include "radiosity/lambert.h"
+#include "radiosity/punctual_irradiance.h"
 #include "radiosity/visibility.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
@@ -174,21 +175,12 @@ C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMe
   return sum * (1.0 / samples);
 }
 
-}  // namespace
-
-DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
-                                   bool conserve, std::uint32_t seed, std::uint64_t& rays) {
-  std::vector<Emitter> emitters = analytic_emitters(scene, mesh);
-  if (!emitters.empty()) {
-    AnalyticDirect analytic(scene, mesh, std::move(emitters));
-    analytic.find_exchange(method, seed, rays);
-    if (conserve) analytic.conserve();
-    return analytic.result();
-  }
-  DirectIrradiance direct;
-  direct.irradiance.assign(mesh.count(), C3d(0.0));
+// More emitters than can be evaluated, or spheres.
+std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed,
+                                    std::uint64_t& rays) {
+  std::vector<C3d> irradiance(mesh.count(), C3d(0.0));
   const Lights lights(scene.shapes());  // without the sky
-  if (lights.empty()) return direct;
+  if (lights.empty()) return irradiance;
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
     throw_if_interrupted();
@@ -196,12 +188,32 @@ DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, 
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       if (!(mesh.area(i) > 0.0)) continue;
       // Buried points receive nothing: the exposed ones have it all.
-      direct.irradiance[i] =
+      irradiance[i] =
           sampled_irradiance(scene, lights, mesh, seed, i, own_rays) * (mesh.whole_area(i) / mesh.area(i));
     }
     rays_cast += own_rays;
   });
   rays += rays_cast;
+  return irradiance;
+}
+
+DirectIrradiance from_emitters(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
+                               bool conserve, std::uint32_t seed, std::uint64_t& rays) {
+  std::vector<Emitter> emitters = analytic_emitters(scene, mesh);
+  if (emitters.empty()) return {sampled_irradiance(scene, mesh, seed, rays), {}};
+  AnalyticDirect analytic(scene, mesh, std::move(emitters));
+  analytic.find_exchange(method, seed, rays);
+  if (conserve) analytic.conserve();
+  return analytic.result();
+}
+
+}  // namespace
+
+DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
+                                   bool conserve, std::uint32_t seed, std::uint64_t& rays) {
+  DirectIrradiance direct = from_emitters(scene, mesh, method, conserve, seed, rays);
+  const std::vector<C3d> punctual = punctual_irradiance(scene, mesh, seed, rays);
+  for (std::size_t i = 0; i < mesh.count(); ++i) direct.irradiance[i] += punctual[i];
   return direct;
 }
 

@@ -16,8 +16,9 @@ struct DirectIrradiance {
 
 /// Up to `most_analytic_emitters` emitting triangles: analytic form factors times the visible fraction;
 /// emitters are not divided. More of them, or spheres: sampled points on the lights and sampled directions,
-/// combined by the balance heuristic. `conserve`: scale the factors of each emitter so that all of its power
-/// arrives; for closed scenes in which every side is an element. `rays` is increased.
+/// combined by the balance heuristic. Punctual lights: `punctual_irradiance`. `conserve`: scale the factors of
+/// each emitter so that all of its power arrives; for closed scenes in which every side is an element. `rays`
+/// is increased.
 DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
                                    bool conserve, std::uint32_t seed, std::uint64_t& rays);
 

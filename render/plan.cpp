@@ -10,6 +10,7 @@ SceneNeeds needs_of(const SceneDescription& scene) {
     for (const MaterialSide& side : scene.materials[shape.material].side) {
       if (!is_black(side.traits().mean_diffuse_reflectance)) needs.diffuse_reflection = true;
       if (side.traits().may_be_specular) needs.specular = true;
+      if (side.traits().is_see_through) needs.see_through = true;
     }
   }
   return needs;
@@ -24,6 +25,8 @@ Plan plan_render(const SceneNeeds& needs, IntegratorKind integrator, const PathL
     skip("the scene has no light");
   else if (!needs.diffuse_reflection)
     skip("no surface reflects diffusely");
+  else if (needs.see_through && integrator == IntegratorKind::two_pass)
+    skip("light passes through masks, which the solution takes for opaque");
   else if (limits.max_depth >= 0 && limits.max_depth < edges_to_solution(integrator))
     skip("paths are too short to read it");
   else

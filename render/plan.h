@@ -13,6 +13,7 @@ struct SceneNeeds {
   bool light = false;               ///< something emits
   bool diffuse_reflection = false;  ///< some surface reflects diffusely
   bool specular = false;            ///< some surface is a mirror or glass
+  bool see_through = false;         ///< light passes straight through some surface: a mask
 };
 SceneNeeds needs_of(const SceneDescription& scene);
 

@@ -84,6 +84,7 @@ ordered_json describe(const LoadedScene& loaded) {
            {{"light", needs.light},
             {"diffuse_reflection", needs.diffuse_reflection},
             {"specular", needs.specular},
+            {"see_through", needs.see_through},
             {"radiosity_pass", plan.radiosity_pass}}},
           {"skipped", skipped}};
 }

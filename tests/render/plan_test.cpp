@@ -22,6 +22,8 @@ TEST(Plan, EveryReasonToSkipIsGiven) {
   const SceneDescription lit = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
   const SceneDescription dark = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
   const SceneDescription black = test::unit_room(C3f(0.0f), C3f(1.0f), C3f(0.0f));
+  SceneDescription masked = lit;
+  masked.materials[0] = material_of("hole", MaterialSide(Null{}));
   const struct {
     Plan plan;
     std::string why;
@@ -30,6 +32,7 @@ TEST(Plan, EveryReasonToSkipIsGiven) {
       {plan(lit, IntegratorKind::direct), "the integrator does not read it"},
       {plan(dark, IntegratorKind::two_pass), "the scene has no light"},
       {plan(black, IntegratorKind::two_pass), "no surface reflects diffusely"},
+      {plan(masked, IntegratorKind::two_pass), "light passes through masks, which the solution takes for opaque"},
       {plan(lit, IntegratorKind::two_pass, 2), "paths are too short to read it"},
   };
   for (const auto& c : cases) {
