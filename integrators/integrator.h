@@ -46,8 +46,8 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
   /// Writes into `seen` of each sample an estimate of the radiance arriving along its ray from where it points.
-  /// Const and thread-safe. What a sample sees is a pure function of its ray and its sampler, whichever samples
-  /// are beside it.
+  /// Const and thread-safe. What a sample sees is a function of its ray and its sampler; where surfaces
+  /// coincide, the samples beside it may decide which of them it meets (I8).
   virtual void trace(std::span<PathSample> samples, RayCounts& counts) const = 0;
 
   /// The same for one ray.

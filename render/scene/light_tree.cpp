@@ -76,7 +76,7 @@ double cost(const LightBounds& b) {
 
 V3f middle(const LightBounds& b) { return b.box.min + (b.box.max - b.box.min) * 0.5f; }
 
-// How to divide lights in two: where along an axis the cost of both halves is least. `bins` 0: anywhere.
+// How to divide lights in two: where along an axis the cost of both halves is least.
 struct Cut {
   int axis = 0;
   float position = 0.0f;
