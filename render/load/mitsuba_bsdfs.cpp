@@ -1,6 +1,7 @@
 #include "render/load/mitsuba_bsdfs.h"
 
 #include "materials/conductor_presets.h"
+#include "materials/energy.h"
 #include "materials/ior.h"
 #include "render/core/error.h"
 #include "render/load/mitsuba_model.h"
@@ -39,6 +40,21 @@ Material read_plain(Properties& p, const Context& context) {
   return material_of(p.id_or(p.type()), ModelReader(p, context.textures).read(Model{}));
 }
 
+/// Heuristic models: kept from reflecting more than they receive (materials, M13), where neither reflectance
+/// varies.
+template <class Model>
+Material read_heuristic(Properties& p, const Context& context) {
+  MaterialSide side = ModelReader(p, context.textures).read(Model{});
+  if (side.is_uniform()) {
+    Model model = std::get<Model>(side.uniform());
+    const float scale = energy_conserving_scale(model.specular_reflectance, model.base_reflectance);
+    model.specular_reflectance *= scale;
+    model.base_reflectance *= scale;
+    side = model;
+  }
+  return material_of(p.id_or(p.type()), side);
+}
+
 /// Models with an index of refraction; `inside` names the substance that they are made of by default.
 template <class Model>
 Material read_interface(Properties& p, const Context& context, std::string_view inside) {
@@ -50,6 +66,13 @@ Material read_interface(Properties& p, const Context& context, std::string_view 
 template <class Model>
 Material read_glass(Properties& p, const Context& context) {
   return read_interface<Model>(p, context, "bk7");
+}
+Material read_rough_glass(Properties& p, const Context& context) {
+  const Material material = read_glass<RoughDielectric>(p, context);
+  if (read_relative_ior(p, "bk7") == 1.0f)
+    throw Error(p.where("int_ior"), "a rough interface needs two different indices of refraction",
+                "change one, or use bsdf 'null'");
+  return material;
 }
 template <class Model>
 Material read_plastic(Properties& p, const Context& context) {
@@ -223,17 +246,17 @@ constexpr Named<Reader> readers[] = {
     {"mixturebsdf", read_mixture},
     {"normalmap", read_normal_map},
     {"null", read_plain<Null>},
-    {"phong", read_plain<Phong>},
+    {"phong", read_heuristic<Phong>},
     {"plastic", read_plastic<Plastic>},
     {"principled", read_principled<Principled>},
     {"principledthin", read_principled<PrincipledThin>},
     {"roughconductor", read_metal<RoughConductor>},
-    {"roughdielectric", read_glass<RoughDielectric>},
+    {"roughdielectric", read_rough_glass},
     {"roughdiffuse", read_plain<RoughDiffuse>},
     {"roughplastic", read_plastic<RoughPlastic>},
     {"thindielectric", read_glass<ThinDielectric>},
     {"twosided", read_two_sided},
-    {"ward", read_plain<Ward>},
+    {"ward", read_heuristic<Ward>},
 };
 
 Material read_bsdf(const XmlNode& node, const Context& context) {

@@ -16,8 +16,13 @@ struct ParameterRange {
 };
 ParameterRange range_of_parameter(std::string_view name);
 
-/// Names of a model's settings, for parameters that are neither colours nor numbers.
-inline std::span<const Named<Microfacet>> names_of_setting(Microfacet) { return microfacet_names; }
+/// Names of a model's settings, for parameters that are neither colours nor numbers. Version 0.x knew Phong's
+/// facets, too, whose alpha meant that of Beckmann's equally wide ones.
+inline std::span<const Named<Microfacet>> names_of_setting(Microfacet) {
+  static constexpr Named<Microfacet> names[] = {
+      {"beckmann", Microfacet::beckmann}, {"ggx", Microfacet::ggx}, {"phong", Microfacet::beckmann}};
+  return names;
+}
 inline std::span<const Named<WardVariant>> names_of_setting(WardVariant) { return ward_variant_names; }
 
 /// Fills a model from a plugin's properties: colours and numbers, or textures in their place, and settings.

@@ -165,6 +165,30 @@ TEST_F(MitsubaBsdfs, ParametersAreReadByName) {
                {"scene.xml:3:", "beckmann", "ggx"});
 }
 
+TEST_F(MitsubaBsdfs, HeuristicModelsKeepTheirEnergy) {
+  const Material phong = read(
+      "<bsdf type='phong'><rgb name='diffuse_reflectance' value='1'/><rgb name='specular_reflectance' "
+      "value='1'/></bsdf>");
+  EXPECT_FLOAT_EQ(std::get<Phong>(phong.side[front].uniform()).base_reflectance.x, 0.495f);
+  const Material ward = read("<bsdf type='ward'/>");
+  EXPECT_EQ(std::get<Ward>(ward.side[front].uniform()).base_reflectance.x, 0.5f);
+}
+
+TEST_F(MitsubaBsdfs, PhongsFacetsAreBeckmanns) {
+  const Material metal = read("<bsdf type='roughconductor'><string name='distribution' value='phong'/></bsdf>");
+  EXPECT_EQ(std::get<RoughConductor>(metal.side[front].uniform()).distribution, Microfacet::beckmann);
+}
+
+TEST_F(MitsubaBsdfs, RoughGlassNeedsAStepOfTheIndex) {
+  expect_error(
+      [&] {
+        read(
+            "<bsdf type='roughdielectric'>\n<float name='int_ior' value='1.3'/><float name='ext_ior' "
+            "value='1.3'/></bsdf>");
+      },
+      {"scene.xml:3: a rough interface needs two different indices"});
+}
+
 TEST_F(MitsubaBsdfs, TexturesMixturesAndMaps) {
   const std::string board = "<texture name='NAME' type='checkerboard'><rgb name='color0' value='1'/></texture>";
   const auto named = [&](const std::string& name) {
