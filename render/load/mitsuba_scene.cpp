@@ -5,9 +5,11 @@
 #include "render/load/mitsuba_clip.h"
 #include "render/load/mitsuba_emitters.h"
 #include "render/load/mitsuba_expand.h"
+#include "render/load/mitsuba_instances.h"
 #include "render/load/mitsuba_properties.h"
 #include "render/load/mitsuba_sensor.h"
 #include "render/load/mitsuba_shapes.h"
+#include "render/load/shape_group.h"
 
 namespace twopass {
 namespace {
@@ -22,8 +24,7 @@ class SceneReader {
     // All settings and materials before the first shape: meshes take long to read, errors should not.
     for (const XmlNode& node : tree_.root.children)
       if (node.tag != "shape") read(node);
-    for (const XmlNode& node : tree_.root.children)
-      if (node.tag == "shape") read_shape(node);
+    read_shapes();
     if (loaded_.scene.camera) note_clipping(loaded_.scene, clip_, notes_);
     loaded_.notes = notes_.lines();
     return std::move(loaded_);
@@ -83,11 +84,43 @@ class SceneReader {
     loaded_.scene.environment = std::get<Environment>(std::move(emitter));
   }
 
-  void read_shape(const XmlNode& node) {
+  void read_shapes() {
+    for (const XmlNode& node : tree_.root.children)
+      if (node.tag == "shape" && node.get("type") == "shapegroup") read_group(node);
+    for (const XmlNode& node : tree_.root.children)
+      if (node.tag == "shape" && node.get("type") != "shapegroup") read_shape(node);
+  }
+
+  Shape read_plain_shape(const XmlNode& node) {
     const std::string name = node.get("type") + "-" + std::to_string(++shape_count_);
-    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
+    return read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
+  }
+
+  static bool is_empty(const Shape& shape) {
     const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
-    if (!mesh || !mesh->triangles.empty()) loaded_.scene.shapes.push_back(std::move(shape));
+    return mesh && mesh->triangles.empty();
+  }
+
+  void read_group(const XmlNode& node) {
+    std::vector<Shape> members;
+    for (const XmlNode* member : shapes_of_group(node, tree_)) {
+      members.push_back(read_plain_shape(*member));
+      if (is_empty(members.back())) members.pop_back();
+    }
+    groups_.emplace(&node, ShapeGroup(std::move(members)));
+  }
+
+  void read_shape(const XmlNode& node) {
+    std::vector<Shape>& shapes = loaded_.scene.shapes;
+    if (node.get("type") == "instance") {
+      const MitsubaInstance instance = read_mitsuba_instance(node, tree_);
+      const std::string name = node.find("id") ? node.get("id") : "instance-" + std::to_string(++shape_count_);
+      for (Shape& shape : groups_.at(instance.group).place(instance.to_world, name, instance.where, notes_))
+        shapes.push_back(std::move(shape));
+      return;
+    }
+    shapes.push_back(read_plain_shape(node));
+    if (is_empty(shapes.back())) shapes.pop_back();
   }
 
   const MitsubaTree& tree_;
@@ -99,6 +132,7 @@ class SceneReader {
   const XmlNode* integrator_ = nullptr;
   const XmlNode* environment_ = nullptr;
   int shape_count_ = 0;
+  std::map<const XmlNode*, ShapeGroup> groups_;
 };
 
 }  // namespace

@@ -22,9 +22,9 @@ struct Segment {
 /// The nearest intersection, in the ray caster's terms.
 struct Hit {
   std::uint32_t shape = no_index;  ///< no_index: the ray escaped
-  std::uint32_t primitive = 0;     ///< triangle of the mesh; 0 for a sphere
+  std::uint32_t primitive = 0;     ///< triangle of the mesh; 0 for an analytic surface
   float t = infinity_f;            ///< distance in units of the direction's length
-  float u = 0.0f, v = 0.0f;  ///< barycentric coordinates of the triangle's corners 1 and 2; unused for a sphere
+  float u = 0.0f, v = 0.0f;  ///< barycentric coordinates of the triangle's corners 1 and 2; 0 elsewhere
   [[nodiscard]] bool escaped() const { return shape == no_index; }
 };
 
