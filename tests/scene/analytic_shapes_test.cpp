@@ -187,7 +187,7 @@ TEST(AnalyticShapes, CylinderLampGivesItsExactIrradiance) {
   const Scene outside = scene_of(cylinder, 3.0f);
   const test::Estimate e = irradiance(outside.lights(), V3f(2, 0, 0), V3f(-1, 0, 0), 100000);
   EXPECT_NEAR(e.mean(), 3.0 * pi * 0.22363731610152487, 5 * e.standard_error());
-  EXPECT_LT(std::sqrt(e.variance()) / e.mean(), 0.8);  // only what is in view is sampled
+  EXPECT_LT(std::sqrt(e.variance()) / e.mean(), 1.2);  // only what is in view is sampled: else 1.8
   // In the middle of the axis and facing along it: all but the opening, r^2 / (r^2 + (l/2)^2).
   cylinder.inward = true;
   const Scene inside = scene_of(cylinder, 3.0f);
@@ -195,7 +195,8 @@ TEST(AnalyticShapes, CylinderLampGivesItsExactIrradiance) {
   EXPECT_NEAR(within.mean(), 3.0 * pi * (1.0 - 1.0 / (1.0 + 0.75 * 0.75)), 5 * within.standard_error());
 }
 
-// The density that sample() reports is that of pdf_w() for what the ray meets, and it integrates to one.
+// The density that sample() reports is that of pdf_w() for what the ray meets; the mean of its inverse is the solid
+// angle of the lamp.
 TEST(AnalyticShapes, DensitiesOfLampsAreExact) {
   for (const Geometry& geometry : {Geometry(skew_disk()), Geometry(skew_cylinder()), Geometry(skew_cylinder(true))}) {
     const bool is_inward = std::holds_alternative<Cylinder>(geometry) && std::get<Cylinder>(geometry).inward;
@@ -216,46 +217,57 @@ TEST(AnalyticShapes, DensitiesOfLampsAreExact) {
       ++compared;
     }
     EXPECT_GT(compared, 1500);
-    test::Estimate integral;
-    for (std::uint32_t i = 0; i < 200000; ++i) {
+    test::Estimate seen, drawn;
+    for (std::uint32_t i = 0; i < 100000; ++i) {
       const Ray ray{p, square_to_sphere(Sampler(7, i, 0).next_2d())};
-      const Hit hit = scene.caster().intersect(ray);
-      integral.add(hit.escaped() ? 0.0
-                                 : 4.0 * pi * double{scene.lights().pdf_w(receiver, ray.direction, hit.t,
-                                                                        scene.surface_point(ray, hit))});
+      seen.add(scene.caster().intersect(ray).escaped() ? 0.0 : 4.0 * pi);
+      const LightSample s = scene.lights().sample(receiver, Sampler(8, i, 0).next_2d());
+      drawn.add(s.pdf_w > 0.0f && !is_black(s.radiance) ? 1.0 / s.pdf_w : 0.0);
     }
-    EXPECT_NEAR(integral.mean(), 1.0, 5 * integral.standard_error());
-    EXPECT_LT(integral.standard_error(), 0.03);
+    EXPECT_NEAR(seen.mean(), drawn.mean(), 5 * std::hypot(seen.standard_error(), drawn.standard_error()));
+    EXPECT_GT(drawn.mean(), 0.1);
   }
 }
 
-// Directions drawn towards each lamp fall into the cells of a grid over the sphere as often as pdf_w() says.
-TEST(AnalyticShapes, DirectionsToLampsFollowTheirDensity) {
+// Directions drawn towards each lamp fall into the cells of a grid over the sphere as often as points that are
+// uniform on what is seen of it do: those of a fine grid in polar coordinates.
+TEST(AnalyticShapes, PointsOfLampsAreUniformInArea) {
   for (const Geometry& geometry : {Geometry(skew_disk()), Geometry(skew_cylinder())}) {
     const Scene scene = scene_of(geometry, 1.0f);
     const V3f p(2.5f, 1.0f, 4.0f);
     const Receiver receiver{p, V3f(0, 0, 1), false};
     constexpr std::size_t rows = 40, columns = 80;
-    constexpr std::uint32_t drawn = 20000, probes = 1000000;
     const auto cell_of = [&](const V3f& w) {
       const auto row = std::min(rows - 1, static_cast<std::size_t>((w.z * 0.5f + 0.5f) * rows));
       const float turns = std::atan2(w.y, w.x) / (2.0f * pi_f) + 0.5f;
       return row * columns + std::min(columns - 1, static_cast<std::size_t>(turns * columns));
     };
     std::vector<double> observed(rows * columns), expected(rows * columns);
+    double seen = 0.0;
+    constexpr int steps = 1000;
+    for (int i = 0; i < steps; ++i)
+      for (int j = 0; j < steps; ++j) {
+        const float a = 2.0f * pi_f * (static_cast<float>(i) + 0.5f) / steps, b = (static_cast<float>(j) + 0.5f) / steps;
+        V3f at;
+        if (const auto* disk = std::get_if<Disk>(&geometry)) {
+          at = disk->center + (disk->x * std::cos(a) + disk->y * std::sin(a)) * std::sqrt(b);
+        } else {
+          const Cylinder cylinder = skew_cylinder();
+          const V3f outward = cylinder.axes[0] * std::cos(a) + cylinder.axes[1] * std::sin(a);
+          at = cylinder.base + cylinder.axes[2] * (b * cylinder.length) + outward * cylinder.radius;
+          if (outward.dot(p - at) <= 0.0f) continue;
+        }
+        ++expected[cell_of(unit(at - p))];
+        ++seen;
+      }
+    constexpr std::uint32_t drawn = 40000;
     for (std::uint32_t i = 0; i < drawn; ++i) {
       // Independent numbers: stratified ones fit better than chance.
-      const LightSample s = scene.lights().sample(receiver, {Sampler(8, i, 1).next_1d(), Sampler(9, i, 2).next_1d()});
-      if (s.pdf_w > 0.0f && !is_black(s.radiance)) ++observed[cell_of(s.direction)];
+      const auto number = [&](std::uint64_t k) { return static_cast<float>(hash_words(i, static_cast<std::uint32_t>(k)) >> 40) * 0x1p-24f; };
+      const LightSample s = scene.lights().sample(receiver, {number(1), number(2)});
+      if (s.pdf_w > 0.0f) ++observed[cell_of(s.direction)];
     }
-    for (std::uint32_t i = 0; i < probes; ++i) {
-      const Ray ray{p, square_to_sphere(Sampler(10, i, 0).next_2d())};
-      const Hit hit = scene.caster().intersect(ray);
-      if (hit.escaped()) continue;
-      expected[cell_of(ray.direction)] +=
-          drawn * 4.0 * pi / probes *
-          double{scene.lights().pdf_w(receiver, ray.direction, hit.t, scene.surface_point(ray, hit))};
-    }
+    for (double& count : expected) count *= drawn / seen;
     EXPECT_GT(test::chi2_test(observed, expected), 1e-4);
   }
 }
