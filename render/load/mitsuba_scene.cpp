@@ -1,6 +1,7 @@
 #include "render/load/mitsuba_scene.h"
 
 #include "render/core/error.h"
+#include "render/load/mesh_colors.h"
 #include "render/load/mitsuba_bsdfs.h"
 #include "render/load/mitsuba_clip.h"
 #include "render/load/mitsuba_emitters.h"
@@ -94,7 +95,9 @@ class SceneReader {
 
   Shape read_plain_shape(const XmlNode& node) {
     const std::string name = node.get("type") + "-" + std::to_string(++shape_count_);
-    return read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
+    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
+    bind_mesh_colors(shape, loaded_.scene.materials, node.where());
+    return shape;
   }
 
   static bool is_empty(const Shape& shape) {

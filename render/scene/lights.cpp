@@ -186,6 +186,7 @@ C3f Lights::radiance(const Entry& entry, Side side, const V3f& position) const {
   const Shape& shape = shapes_[entry.shape];
   if (!shape.radiance_texture || side == back) return shape.radiance[side];
   V2f uv;
+  MeshPlace place;
   if (const auto* polygon = std::get_if<LightPolygon>(&entry.kind)) {
     std::uint32_t triangle = polygon->triangles[0];
     V2f at = barycentric_at(corners(shape.geometry, triangle), position);
@@ -194,6 +195,7 @@ C3f Lights::radiance(const Entry& entry, Side side, const V3f& position) const {
       at = barycentric_at(corners(shape.geometry, triangle), position);
     }
     uv = parametrization(*mesh_of(shape.geometry), triangle, at, V3f(polygon->normal)).uv;
+    place = {triangle, at};
   } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
     const V3f outward = unit(position - sphere->center);
     uv = parametrization(*sphere, sphere->inward ? -outward : outward).uv;
@@ -202,7 +204,7 @@ C3f Lights::radiance(const Entry& entry, Side side, const V3f& position) const {
   } else {
     uv = parametrization(std::get<Cylinder>(shape.geometry), position).uv;
   }
-  return color_at(*shape.radiance_texture, uv);
+  return color_at(*shape.radiance_texture, {uv, V2f(0.0f, 0.0f), place});
 }
 
 LightSample Lights::sample(const Receiver& receiver, const V2f& u) const {

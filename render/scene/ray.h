@@ -41,6 +41,7 @@ struct SurfacePoint {
   /// them.
   V2f uv;
   V3f dp_du, dp_dv;
+  [[nodiscard]] TexturePoint where() const { return {uv, V2f(0.0f, 0.0f), {primitive, {u, v}}}; }
   /// Of (M30), with the shading normal before it was perturbed; 0 where it was not.
   float terminator = 0.0f;
   V3f unperturbed_normal;

@@ -158,7 +158,7 @@ float Scene::transmittance(const Segment& segment) const {
     const Hit hit = caster_.intersect(ray);
     if (hit.escaped() || hit.t * hit.t >= to_end.dot(to_end)) return share;  // rounding: the queries disagree
     const SurfacePoint point = surface_point(ray, hit);
-    share *= side(point).transparency(point.uv);
+    share *= side(point).transparency(point.where());
     if (share == 0.0f) return 0.0f;
     from = spawn_position(point, ray.direction);
   }
@@ -171,7 +171,8 @@ Bsdf Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const 
                      .dp_dv = point.dp_dv,
                      .wo = -direction,
                      .frame = point.shading,
-                     .is_back = point.side == back};
+                     .is_back = point.side == back,
+                     .place = {point.primitive, {point.u, point.v}}};
   const Bsdf bsdf = material.resolve(at, u);
   point.terminator = at.terminator;
   point.unperturbed_normal = point.shading.n;

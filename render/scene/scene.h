@@ -59,7 +59,7 @@ class Scene {
   /// Radiance that the point emits towards the viewer, W/(m2 sr).
   [[nodiscard]] C3f emitted_radiance(const SurfacePoint& point) const {
     const Shape& shape = description_.shapes[point.shape];
-    if (shape.radiance_texture && point.side == front) return color_at(*shape.radiance_texture, point.uv);
+    if (shape.radiance_texture && point.side == front) return color_at(*shape.radiance_texture, point.where());
     return shape.radiance[point.side];
   }
   /// The share of light that passes along the open segment, in [0, 1]: through masks, where there are some.
