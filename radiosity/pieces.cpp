@@ -50,12 +50,21 @@ Triangle2 parameters(const Cylinder& cylinder, std::uint32_t piece) {
   return triangle;
 }
 
-std::array<V3d, 3> octant_cell(std::uint32_t octant, const std::array<V2i, 3>& numerators,
-                               std::uint32_t divisions) {
-  const std::array<V3d, 3> whole = octant_corners(octant);
+// Spheres: the octants, by directions from the centre.
+bool front_is_clockwise(const Sphere& sphere) { return sphere.inward; }
+std::array<V3d, 3> parameters(const Sphere& sphere, std::uint32_t octant) {
+  std::array<V3d, 3> corner = octant_corners(octant);
+  if (front_is_clockwise(sphere)) std::swap(corner[1], corner[2]);
+  return corner;
+}
+
+Patch octant_cell(const Sphere& sphere, std::uint32_t octant, const std::array<V2i, 3>& numerators,
+                  std::uint32_t divisions, Side side) {
+  const std::array<V3d, 3> whole = parameters(sphere, octant);
   std::array<V3d, 3> direction;
   for (int k = 0; k < 3; ++k) direction[k] = grid_point(whole, numerators[k], divisions).normalized();
-  return direction;
+  if (front_is_clockwise(sphere)) std::swap(direction[1], direction[2]);  // as spherical_patch() wants them
+  return spherical_patch(sphere, direction, side);
 }
 
 template <class Surface>
@@ -98,7 +107,7 @@ Patch piece_patch(const Geometry& geometry, std::uint32_t piece, Side side) {
 Patch cell_patch(const Geometry& geometry, std::uint32_t piece, const std::array<V2i, 3>& numerators,
                  std::uint32_t divisions, Side side) {
   if (const auto* sphere = std::get_if<Sphere>(&geometry))
-    return spherical_patch(*sphere, octant_cell(piece, numerators, divisions), side);
+    return octant_cell(*sphere, piece, numerators, divisions, side);
   if (const auto* disk = std::get_if<Disk>(&geometry))
     return parametric_cell(*disk, piece, numerators, divisions, side);
   if (const auto* cylinder = std::get_if<Cylinder>(&geometry))
@@ -109,7 +118,7 @@ Patch cell_patch(const Geometry& geometry, std::uint32_t piece, const std::array
 V3d piece_grid_point(const Geometry& geometry, std::uint32_t piece, const V2i& numerators,
                      std::uint32_t divisions) {
   if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-    const V3d flat = grid_point(octant_corners(piece), numerators, divisions);
+    const V3d flat = grid_point(parameters(*sphere, piece), numerators, divisions);
     return V3d(sphere->center) + flat.normalized() * static_cast<double>(sphere->radius);
   }
   if (const auto* disk = std::get_if<Disk>(&geometry))
@@ -121,7 +130,7 @@ V3d piece_grid_point(const Geometry& geometry, std::uint32_t piece, const V2i& n
 }
 
 V3f piece_corner_key(const Geometry& geometry, std::uint32_t piece, int corner) {
-  if (std::holds_alternative<Sphere>(geometry)) return V3f(octant_corners(piece)[corner]);
+  if (const auto* sphere = std::get_if<Sphere>(&geometry)) return V3f(parameters(*sphere, piece)[corner]);
   if (const auto* disk = std::get_if<Disk>(&geometry)) {
     const V2d at = parameters(*disk, piece)[corner];
     return V3f(static_cast<float>(at.x), static_cast<float>(at.y), 0.0f);
@@ -139,8 +148,8 @@ PieceLocation locate(const Sphere& sphere, const V3f& position) {
   const float sum = a.x + a.y + a.z;
   const float u = sum > 0.0f ? a.y / sum : 0.0f, v = sum > 0.0f ? a.z / sum : 0.0f;
   // An odd number of signs: octant_corners has exchanged the last two.
-  if (octant == 1 || octant == 2 || octant == 4 || octant == 7) return {octant, v, u};
-  return {octant, u, v};
+  const bool is_exchanged = octant == 1 || octant == 2 || octant == 4 || octant == 7;
+  return is_exchanged != front_is_clockwise(sphere) ? PieceLocation{octant, v, u} : PieceLocation{octant, u, v};
 }
 
 PieceLocation locate(const Disk& disk, const V3f& position) {

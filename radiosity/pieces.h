@@ -19,8 +19,8 @@ inline bool is_analytic(const Geometry& geometry) {
 std::size_t piece_count(const Geometry& geometry);
 
 /// A side of a piece, and of a part of it: between the points of its grid that have these numerators of the
-/// barycentric coordinates of corners 1 and 2 over `divisions`, counter-clockwise seen from the piece's front
-/// (of a sphere: from outside). REQUIRES: the shape outlives the patch.
+/// barycentric coordinates of corners 1 and 2 over `divisions`, counter-clockwise seen from the piece's front.
+/// REQUIRES: the shape outlives the patch.
 Patch piece_patch(const Geometry& geometry, std::uint32_t piece, Side side);
 Patch cell_patch(const Geometry& geometry, std::uint32_t piece, const std::array<V2i, 3>& numerators,
                  std::uint32_t divisions, Side side);

@@ -5,15 +5,23 @@
 namespace twopass {
 namespace {
 
-std::shared_ptr<const MeshColors::Values> values_of(const MeshAttribute& attribute, const Mesh& mesh) {
+/// The values as the texture shows them: their mean is that of what is limited.
+std::shared_ptr<const MeshColors::Values> values_of(const MeshAttribute& attribute, const Mesh& mesh,
+                                                    const std::optional<TexelScale>& scale) {
+  const auto shown = [&](std::uint32_t k) {
+    C3f value = attribute.values[k];
+    for (int c = 0; scale && c < 3; ++c)
+      value[c] = std::clamp(value[c] * scale->factor[c] + scale->offset[c], scale->lowest, scale->highest);
+    return value;
+  };
   MeshColors::Values result;
   result.corners.reserve(mesh.triangles.size());
   C3d sum(0.0);
   double area = 0.0;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const V3u& t = mesh.triangles[i];
-    const std::vector<C3f>& v = attribute.values;
-    const std::array<C3f, 3> corner = attribute.is_of_faces() ? std::array{v[i], v[i], v[i]} : std::array{v[t.x], v[t.y], v[t.z]};
+    const std::array<C3f, 3> corner = attribute.is_of_faces() ? std::array{shown(i), shown(i), shown(i)}
+                                                              : std::array{shown(t.x), shown(t.y), shown(t.z)};
     const std::array<V3f, 3> p = corners(mesh, i);
     const double part = (V3d(p[1]) - V3d(p[0])).cross(V3d(p[2]) - V3d(p[0])).length();
     sum += (C3d(corner[0]) + C3d(corner[1]) + C3d(corner[2])) * (part / 3.0);
@@ -24,7 +32,7 @@ std::shared_ptr<const MeshColors::Values> values_of(const MeshAttribute& attribu
   return std::make_shared<const MeshColors::Values>(std::move(result));
 }
 
-/// Binds textures to one mesh; what several of them look at is made once.
+/// Binds textures to one mesh; what both sides look at is made once.
 class Binder {
  public:
   Binder(const Shape& shape, const std::string& where)
@@ -33,24 +41,21 @@ class Binder {
   Texture operator()(const Texture& texture) {
     const auto* colors = std::get_if<MeshColors>(&texture);
     if (!colors || colors->values) return texture;
-    MeshColors bound = *colors;
-    bound.values = values_called(colors->name);
+    for (const auto& [unbound, bound] : made_)
+      if (unbound.name == colors->name && unbound.scale == colors->scale) return bound;
+    const MeshColors bound{colors->name, values_of(attribute_called(colors->name), *mesh_, colors->scale), {}};
+    made_.emplace_back(*colors, bound);
     return bound;
   }
 
  private:
-  std::shared_ptr<const MeshColors::Values> values_called(const std::string& name) {
+  const MeshAttribute& attribute_called(const std::string& name) const {
     if (!mesh_)
       throw Error(where_, "shape '" + shape_.name + "' is no mesh, and its material looks at '" + name + "'",
                   "mesh attributes are in ply and serialized files");
     std::string names;
-    for (std::size_t a = 0; a < mesh_->attributes.size(); ++a) {
-      const MeshAttribute& attribute = mesh_->attributes[a];
-      if (attribute.name == name) {
-        made_.resize(mesh_->attributes.size());
-        if (!made_[a]) made_[a] = values_of(attribute, *mesh_);
-        return made_[a];
-      }
+    for (const MeshAttribute& attribute : mesh_->attributes) {
+      if (attribute.name == name) return attribute;
       names += (names.empty() ? "" : ", ") + attribute.name;
     }
     throw Error(where_, "the mesh of shape '" + shape_.name + "' has no attribute '" + name + "'",
@@ -60,7 +65,7 @@ class Binder {
   const Shape& shape_;
   const Mesh* mesh_;
   const std::string& where_;
-  std::vector<std::shared_ptr<const MeshColors::Values>> made_;
+  std::vector<std::pair<MeshColors, MeshColors>> made_;
 };
 
 bool is_unbound(const Texture& texture) {

@@ -19,6 +19,7 @@ std::vector<Geometry> surfaces() {
   const Frame frame(V3f(2, -1, 2) / 3.0f);
   const std::array<V3f, 3> skew{frame.s, frame.t, frame.n};
   return {Sphere{V3f(1, 2, 3), 1.5f, false, skew},
+          Sphere{V3f(1, 2, 3), 1.5f, true, skew},
           Disk{V3f(1, -2, 3), frame.s * 2.0f, frame.t, false},
           Disk{V3f(1, -2, 3), frame.s * 2.0f, frame.t + frame.s * 0.3f, true},
           Cylinder{V3f(3, 1, -1), 0.5f, 2.0f, false, skew},
@@ -34,7 +35,8 @@ double exact_area(const Geometry& geometry) {
 
 // The unit normal of the front at a point of the surface.
 V3d front_normal(const Geometry& geometry, const V3d& at) {
-  if (const auto* sphere = std::get_if<Sphere>(&geometry)) return (at - V3d(sphere->center)).normalized();
+  if (const auto* sphere = std::get_if<Sphere>(&geometry))
+    return (at - V3d(sphere->center)).normalized() * (sphere->inward ? -1.0 : 1.0);
   if (const auto* disk = std::get_if<Disk>(&geometry)) return V3d(unit_normal(*disk));
   const auto& cylinder = std::get<Cylinder>(geometry);
   float along;
