@@ -16,14 +16,16 @@ namespace {
 class SceneReader {
  public:
   SceneReader(const MitsubaTree& tree, const TextureOptions& textures)
-      : tree_(tree), texture_files_(textures), textures_(tree, texture_files_), materials_(tree, loaded_.scene.materials, textures_) {}
+      : tree_(tree),
+        texture_files_(textures),
+        textures_(tree, texture_files_),
+        materials_(tree, loaded_.scene.materials, textures_) {}
 
   LoadedScene run() {
     // All settings and materials before the first shape: meshes take long to read, errors should not.
     for (const XmlNode& node : tree_.root.children)
       if (node.tag != "shape") read(node);
-    for (const XmlNode& node : tree_.root.children)
-      if (node.tag == "shape") read_shape(node);
+    read_shapes();
     if (loaded_.scene.camera) note_clipping(loaded_.scene, clip_, notes_);
     texture_files_.report(notes_);
     loaded_.notes = notes_.lines();
@@ -84,11 +86,12 @@ class SceneReader {
     loaded_.scene.environment = std::get<Environment>(std::move(emitter));
   }
 
-  void read_shape(const XmlNode& node) {
-    const std::string name = node.get("type") + "-" + std::to_string(++shape_count_);
-    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
-    const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
-    if (!mesh || !mesh->triangles.empty()) loaded_.scene.shapes.push_back(std::move(shape));
+  void read_shapes() {
+    NamedShapes elements;
+    for (const XmlNode& node : tree_.root.children)
+      if (node.tag == "shape")
+        elements.emplace_back(&node, node.get("type") + "-" + std::to_string(elements.size() + 1));
+    loaded_.scene.shapes = read_mitsuba_shapes(elements, tree_, materials_, textures_, notes_);
   }
 
   const MitsubaTree& tree_;
@@ -100,7 +103,6 @@ class SceneReader {
   ClipPlanes clip_;
   const XmlNode* integrator_ = nullptr;
   const XmlNode* environment_ = nullptr;
-  int shape_count_ = 0;
 };
 
 }  // namespace
