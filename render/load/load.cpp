@@ -18,7 +18,7 @@ LoadedScene load_scene(const std::filesystem::path& path, const Definitions& def
   if (extension == ".obj") {
     if (!definitions.empty())
       throw Error("-D " + definitions.begin()->first, "an OBJ file has no parameters", "leave it out");
-    return load_obj_scene(path);
+    return load_obj_scene(path, textures);
   }
   throw Error(path.string(), "unknown scene format '" + extension + "'",
               "supported: .xml (Mitsuba 0.4 to 3.x), .obj (Wavefront)");

@@ -19,7 +19,10 @@ namespace {
 class SceneReader {
  public:
   SceneReader(const MitsubaTree& tree, const TextureOptions& textures)
-      : tree_(tree), texture_files_(textures), textures_(tree, texture_files_), materials_(tree, loaded_.scene.materials, textures_) {}
+      : tree_(tree),
+        texture_files_(textures),
+        textures_(tree, texture_files_),
+        materials_(tree, loaded_.scene.materials, textures_) {}
 
   LoadedScene run() {
     // All settings and materials before the first shape: meshes take long to read, errors should not.
@@ -87,44 +90,63 @@ class SceneReader {
   }
 
   void read_shapes() {
-    for (const XmlNode& node : tree_.root.children)
-      if (node.tag == "shape" && node.get("type") == "shapegroup") read_group(node);
-    for (const XmlNode& node : tree_.root.children)
-      if (node.tag == "shape" && node.get("type") != "shapegroup") read_shape(node);
-  }
-
-  Shape read_plain_shape(const XmlNode& node) {
-    const std::string name = node.get("type") + "-" + std::to_string(++shape_count_);
-    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
-    bind_mesh_colors(shape, loaded_.scene.materials, node.where());
-    return shape;
-  }
-
-  static bool is_empty(const Shape& shape) {
-    const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
-    return mesh && mesh->triangles.empty();
-  }
-
-  void read_group(const XmlNode& node) {
-    std::vector<Shape> members;
-    for (const XmlNode* member : shapes_of_group(node, tree_)) {
-      members.push_back(read_plain_shape(*member));
-      if (is_empty(members.back())) members.pop_back();
+    // All that are read from elements, those of groups too, at once: meshes are read in parallel.
+    NamedShapes elements;
+    std::map<const XmlNode*, std::pair<std::size_t, std::size_t>> members;  // of groups: a range of elements
+    const auto add = [&](const XmlNode& node) {
+      elements.emplace_back(&node, node.get("type") + "-" + std::to_string(elements.size() + 1));
+    };
+    for (const XmlNode& node : tree_.root.children) {
+      if (node.tag != "shape") continue;
+      if (node.get("type") == "instance") {
+        instances_.push_back(read_mitsuba_instance(node, tree_));
+        continue;
+      }
+      const std::size_t first = elements.size();
+      if (node.get("type") != "shapegroup") {
+        add(node);
+        continue;
+      }
+      for (const XmlNode* member : shapes_of_group(node, tree_)) add(*member);
+      members[&node] = {first, elements.size()};
     }
-    groups_.emplace(&node, ShapeGroup(std::move(members)));
+    std::vector<Shape> shapes = read_mitsuba_shapes(elements, tree_, materials_, textures_, notes_);
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      bind_mesh_colors(shapes[i], loaded_.scene.materials, elements[i].first->where());
+    place_shapes(std::move(shapes), members);
   }
 
-  void read_shape(const XmlNode& node) {
+  /// Shapes and instances in the order of the file.
+  void place_shapes(std::vector<Shape> read,
+                    const std::map<const XmlNode*, std::pair<std::size_t, std::size_t>>& members) {
+    const auto is_seen = [](const Shape& shape) {
+      const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+      return !mesh || !mesh->triangles.empty();
+    };
+    std::map<const XmlNode*, ShapeGroup> groups;
+    for (const auto& [node, range] : members) {
+      std::vector<Shape> shapes;
+      for (std::size_t i = range.first; i < range.second; ++i)
+        if (is_seen(read[i])) shapes.push_back(std::move(read[i]));
+      groups.emplace(node, ShapeGroup(std::move(shapes)));
+    }
     std::vector<Shape>& shapes = loaded_.scene.shapes;
-    if (node.get("type") == "instance") {
-      const MitsubaInstance instance = read_mitsuba_instance(node, tree_);
-      const std::string name = node.find("id") ? node.get("id") : "instance-" + std::to_string(++shape_count_);
-      for (Shape& shape : groups_.at(instance.group).place(instance.to_world, name, instance.where, notes_))
-        shapes.push_back(std::move(shape));
-      return;
+    std::size_t next = 0, instances = 0;
+    for (const XmlNode& node : tree_.root.children) {
+      if (node.tag != "shape") continue;
+      if (const auto group = members.find(&node); group != members.end()) {
+        next = group->second.second;
+      } else if (node.get("type") == "instance") {
+        const MitsubaInstance& instance = instances_[instances++];
+        const std::string* id = node.find("id");
+        const std::string name = id ? *id : "instance-" + std::to_string(instances);
+        for (Shape& shape : groups.at(instance.group).place(instance.to_world, name, instance.where, notes_))
+          shapes.push_back(std::move(shape));
+      } else {
+        if (is_seen(read[next])) shapes.push_back(std::move(read[next]));
+        ++next;
+      }
     }
-    shapes.push_back(read_plain_shape(node));
-    if (is_empty(shapes.back())) shapes.pop_back();
   }
 
   const MitsubaTree& tree_;
@@ -136,8 +158,7 @@ class SceneReader {
   ClipPlanes clip_;
   const XmlNode* integrator_ = nullptr;
   const XmlNode* environment_ = nullptr;
-  int shape_count_ = 0;
-  std::map<const XmlNode*, ShapeGroup> groups_;
+  std::vector<MitsubaInstance> instances_;  // in the order of the file
 };
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST_F(ShapeGroups, ShapesStandWhereTheirInstancesSay) {
   const auto& a = std::get<MeshInstance>(loaded.scene.shapes[0].geometry);
   const auto& b = std::get<MeshInstance>(loaded.scene.shapes[3].geometry);
   EXPECT_EQ(a.mesh.get(), b.mesh.get());
-  EXPECT_EQ(loaded.scene.shapes[0].name, "instance-4/r");
+  EXPECT_EQ(loaded.scene.shapes[0].name, "instance-1/r");
   EXPECT_EQ(loaded.scene.shapes[0].material, loaded.scene.shapes[3].material);
   expect_near(a.to_world.point(V3f(1, 1, 0)), V3f(6, 1, 0));
   expect_near(b.to_world.point(V3f(1, 1, 0)), V3f(0, 2, -2));
