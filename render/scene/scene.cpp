@@ -28,7 +28,8 @@ std::vector<std::vector<Scene::Face>> Scene::faces_of(std::span<const Shape> sha
     faces[s].resize(mesh->triangles.size());
     for (std::uint32_t i = 0; i < mesh->triangles.size(); ++i) {
       const auto p = corners(*mesh, i);
-      faces[s][i] = {unit((p[1] - p[0]).cross(p[2] - p[0])), rounding_offset(p)};
+      const float offset = rounding_offset(p);
+      faces[s][i] = {unit((p[1] - p[0]).cross(p[2] - p[0])), offset, near_edge(p, offset)};
     }
   }
   return faces;

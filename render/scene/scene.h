@@ -69,10 +69,11 @@ class Scene {
   [[nodiscard]] bool has_see_through() const { return has_see_through_; }
 
  private:
-  // What every vertex on a triangle needs and would else be computed again each time: 16 bytes a triangle.
+  // What every vertex on a triangle needs and would else be computed again each time: 20 bytes a triangle.
   struct Face {
-    V3f normal;    // unit, of the front
-    float offset;  // SurfacePoint::offset
+    V3f normal;       // unit, of the front
+    float offset;     // SurfacePoint::offset
+    float near_edge;  // see geometry.h
   };
   [[nodiscard]] static std::vector<std::vector<Face>> faces_of(std::span<const Shape> shapes);
   static Bsdf resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u);
@@ -102,6 +103,8 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
     const Face& face = faces_[hit.shape][hit.primitive];
     normal = face.normal;
     point.offset = face.offset;
+    if (std::min({w, hit.u, hit.v}) < face.near_edge) [[unlikely]]
+      point.position = clear_of_edges(point.position, p, normal, {w, hit.u, hit.v}, face.offset);
     shading_normal = normal;
     if (!mesh->normals.empty()) {
       const V3u& index = mesh->triangles[hit.primitive];
