@@ -30,7 +30,7 @@ struct Hit {
 
 /// A point of a surface as seen from a direction: all that shading, look-ups and new rays need.
 struct SurfacePoint {
-  V3f position;
+  V3f position;          ///< on the surface, clear of the edges of its triangle (L40)
   V3f geometric_normal;  ///< unit, on the viewer's side
   Frame shading;         ///< its normal is on the viewer's side
   float offset;  ///< how far along the normal a new ray must start to clear the surface's rounding errors

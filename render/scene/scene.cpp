@@ -66,7 +66,8 @@ void Scene::find_faces() {
     std::vector<Face>& faces = face_lists_.emplace_back();
     for (std::uint32_t i = 0; mesh && i < mesh->triangles.size(); ++i) {
       const auto p = corners(*mesh, i);
-      faces.push_back({unit((p[1] - p[0]).cross(p[2] - p[0])), rounding_offset(p)});
+      const float offset = rounding_offset(p);
+      faces.push_back({unit((p[1] - p[0]).cross(p[2] - p[0])), offset, near_edge(p, offset)});
     }
   }
   for (const std::size_t l : list) faces_.push_back(face_lists_[l].data());
@@ -79,7 +80,11 @@ void Scene::place(SurfacePoint& point, const Ray& ray, const Hit& hit, V3f& norm
     const auto p = corners(*instance->mesh, hit.primitive);
     const Face& face = faces_[hit.shape][hit.primitive];
     const Placement& to_world = instance->to_world;
-    point.position = to_world.point(p[0] * (1.0f - hit.u - hit.v) + p[1] * hit.u + p[2] * hit.v);
+    const float w = 1.0f - hit.u - hit.v;
+    V3f local = p[0] * w + p[1] * hit.u + p[2] * hit.v;
+    if (std::min({w, hit.u, hit.v}) < face.near_edge)
+      local = clear_of_edges(local, p, face.normal, {w, hit.u, hit.v}, face.offset);
+    point.position = to_world.point(local);
     point.offset = rounding_offset(to_world, point.position, face.offset);
     normal = unit(to_world.normal(face.normal));
     shading_normal = unit(to_world.normal(shading_normal_of(*instance->mesh, hit, face.normal)));

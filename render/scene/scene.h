@@ -69,10 +69,11 @@ class Scene {
   [[nodiscard]] bool has_see_through() const { return has_see_through_; }
 
  private:
-  // What every vertex on a triangle needs and would else be computed again each time: 16 bytes a triangle.
+  // What every vertex on a triangle needs and would else be computed again each time: 20 bytes a triangle.
   struct Face {
-    V3f normal;    // unit, of the front
-    float offset;  // SurfacePoint::offset
+    V3f normal;       // unit, of the front
+    float offset;     // SurfacePoint::offset
+    float near_edge;  // see geometry.h
   };
   void find_faces();
   // The point of an analytic surface or an instance, and its normals, of the front.
@@ -114,6 +115,8 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
     const Face& face = faces_[hit.shape][hit.primitive];
     normal = face.normal;
     point.offset = face.offset;
+    if (std::min({w, hit.u, hit.v}) < face.near_edge) [[unlikely]]
+      point.position = clear_of_edges(point.position, p, normal, {w, hit.u, hit.v}, face.offset);
     shading_normal = shading_normal_of(*mesh, hit, normal);
   } else {
     place(point, ray, hit, normal, shading_normal);
