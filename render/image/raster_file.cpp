@@ -11,6 +11,7 @@
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
 #include "render/image/oiio_module.h"
+#include "render/image/regular_file.h"
 
 namespace twopass {
 namespace {
@@ -129,9 +130,7 @@ void write_raster(const fs::path& path, const Image& image) {
 }
 
 RasterImage read_raster(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) throw Error(path.string(), "there is no such file", "check the name");
-  if (fs::is_directory(path, ignored)) throw Error(path.string(), "it is a folder", "give the name of a file");
+  check_regular_file(path);
   Exchange exchange;
   if (module().decode(path.c_str(), Exchange::allocate, Exchange::take_problem, &exchange) == 0)
     throw Error(path.string(), "it cannot be read: " + exchange.problem, "convert it to .png or .exr");
