@@ -4,10 +4,10 @@
 #include <set>
 
 #include "render/core/error.h"
+#include "render/image/regular_file.h"
 #include "render/load/gltf_container.h"
 #include "render/load/gltf_json.h"
 #include "render/load/gltf_uri.h"
-#include "render/load/text_file.h"
 
 namespace twopass {
 namespace {
@@ -105,12 +105,7 @@ class Reader {
     // A file that many buffers name is read once.
     const auto known = files_.find(path);
     if (known != files_.end()) return known->second;
-    std::string bytes;
-    try {
-      bytes = read_text_file(path);
-    } catch (const Error& error) {
-      throw Error(where, std::string("cannot be read: ") + error.what(), "put the file beside the scene");
-    }
+    std::string bytes = read_regular_file(find_any_case(path).value_or(path), where);
     document_.size += bytes.size();
     return files_[path] = shared(std::move(bytes));
   }
@@ -178,7 +173,7 @@ GltfDocument parse_gltf(std::string bytes, const std::filesystem::path& path, No
 }
 
 GltfDocument read_gltf(const std::filesystem::path& path, Notes& notes) {
-  return parse_gltf(read_text_file(path), path, notes);
+  return parse_gltf(read_regular_file(path), path, notes);
 }
 
 }  // namespace twopass

@@ -100,7 +100,6 @@ std::filesystem::path path_of_uri(std::string_view uri, const std::filesystem::p
   std::string name = percent_decoded(uri);
   if (name.empty() || name.find('\0') != std::string::npos)
     throw Error(where, shortened(uri) + " is not a file's name", "correct the URI");
-  std::ranges::replace(name, '\\', '/');
   return folder / name;
 }
 
