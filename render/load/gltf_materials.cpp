@@ -221,8 +221,11 @@ class MaterialReader {
       if (use.index < 0) scale = {C3f(factor >= cutoff ? 1.0f : 0.0f)};
     }
     Texture opacity = scale.factor;
-    if (use.index >= 0) opacity = textures_.load(use, GltfTexels::alpha, scale, owner_);
-    if (const C3f* constant = std::get_if<C3f>(&opacity); constant && constant->x == 1.0f) return;
+    if (use.index >= 0) {
+      note_uv_set(use);
+      opacity = textures_.load(use, GltfTexels::alpha, scale, owner_);
+    }
+    if (const C3f* constant = std::get_if<C3f>(&opacity); constant && constant->x >= 1.0f) return;
     for (MaterialSide& side : material.side) side = with_opacity(side, opacity);
   }
 

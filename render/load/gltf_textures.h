@@ -1,11 +1,12 @@
 // Textures of glTF materials.
 #pragma once
 
-#include <optional>
+#include <map>
 
 #include "materials/texture.h"
 #include "render/load/gltf_document.h"
 #include "render/load/notes.h"
+#include "render/load/texture_files.h"
 
 namespace twopass {
 
@@ -23,26 +24,36 @@ GltfTextureUse texture_use(int index, int uv_set, const tinygltf::ExtensionMap& 
 GltfTextureUse texture_use(const tinygltf::Value& extension, const char* member, const std::string& owner,
                            const GltfDocument& document);
 
-/// What a texture holds.
-enum class GltfTexels { color, normal, red, green, blue, alpha };
-
-/// INTERIM until texture files can be read from memory.
-struct TexelScale {
-  C3f factor{1.0f}, offset{0.0f};
-  float lowest = -infinity_f, highest = infinity_f;
+/// What is taken of a texture.
+enum class GltfTexels {
+  color,   ///< sRGB
+  normal,  ///< as they are stored; so are the rest
+  red,
+  green,
+  blue,
+  alpha
 };
+
+/// The textures of a file; images are decoded once for each use of their channels.
 class GltfTextures {
  public:
-  GltfTextures(const GltfDocument&, Notes& notes) : notes_(notes) {}
-  Texture load(const GltfTextureUse&, GltfTexels texels, const TexelScale& scale, const std::string&) {
-    notes_.add("textures are not read yet");
-    return texels == GltfTexels::normal  ? C3f(0.5f, 0.5f, 1.0f)
-           : texels == GltfTexels::alpha ? C3f(1.0f)
-                                         : scale.factor;
-  }
+  /// REQUIRES: the arguments outlive this.
+  GltfTextures(const GltfDocument& document, const TextureOptions& options, Notes& notes)
+      : document_(document), files_(options), notes_(notes) {}
+
+  /// The texture of a use, each value made of its texel as `scale` says. `owner` is for errors. Where there is
+  /// no image, what a white one would give, with a note. Throws Error when an image cannot be read.
+  Texture load(const GltfTextureUse& use, GltfTexels texels, const TexelScale& scale, const std::string& owner);
+  /// Adds what was noticed.
+  void report() { files_.report(notes_); }
 
  private:
+  Texture load_image(int index, GltfTexels texels, const std::string& owner);
+
+  const GltfDocument& document_;
+  TextureFiles files_;
   Notes& notes_;
+  std::map<std::pair<int, GltfTexels>, Texture> images_;
 };
 
 }  // namespace twopass

@@ -23,11 +23,11 @@ Mesh part_of(const Mesh& mesh, bool mirrored) {
 
 class SceneBuilder {
  public:
-  SceneBuilder(const GltfDocument& document, LoadedScene& loaded, Notes& notes)
+  SceneBuilder(const GltfDocument& document, const TextureOptions& textures, LoadedScene& loaded, Notes& notes)
       : document_(document),
         scene_(loaded.scene),
         notes_(notes),
-        textures_(document, notes),
+        textures_(document, textures, notes),
         materials_(document, textures_, loaded.scene, notes) {}
 
   void add_meshes(const std::vector<GltfPlace>& places) {
@@ -124,6 +124,7 @@ class SceneBuilder {
   }
 
   void report() {
+    textures_.report();
     const auto note = [&](std::size_t count, const char* what) {
       if (count > 0) notes_.add(document_.file + ": " + std::to_string(count) + " " + what);
     };
@@ -145,14 +146,14 @@ class SceneBuilder {
 
 }  // namespace
 
-LoadedScene load_gltf_scene(const std::filesystem::path& path) {
+LoadedScene load_gltf_scene(const std::filesystem::path& path, const TextureOptions& textures) {
   LoadedScene loaded;
   Notes notes;
   const GltfDocument document = read_gltf(path, notes);
   const std::vector<GltfPlace> places = gltf_places(document);
   loaded.scene.camera = read_gltf_camera(document, places, loaded.settings, notes);
   loaded.scene.punctual_lights = read_gltf_lights(document, places, notes);
-  SceneBuilder(document, loaded, notes).add_meshes(places);
+  SceneBuilder(document, textures, loaded, notes).add_meshes(places);
   bool has_skins = false;
   for (const tinygltf::Node& node : document.model.nodes) has_skins |= node.skin >= 0;
   if (has_skins) notes.add(document.file + ": skins are not applied: meshes stand in their default pose");

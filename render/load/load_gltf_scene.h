@@ -11,7 +11,8 @@ namespace twopass {
 /// ("node:material" where the mesh has several), the first camera, punctual lights. Everything stands in its
 /// default pose: animations, skins and morph targets do nothing. Points and lines are left out with a note, as
 /// are triangles with indices out of range or coordinates that are not finite. Throws Error naming the element
-/// of the file. Memory: at most about 200 times the bytes of the file and the buffers that it names.
-LoadedScene load_gltf_scene(const std::filesystem::path& path);
+/// of the file. Memory, but for decoded
+/// images: at most about 300 times the bytes of the file and of the buffers that it names, and 100 MB.
+LoadedScene load_gltf_scene(const std::filesystem::path& path, const TextureOptions& textures);
 
 }  // namespace twopass

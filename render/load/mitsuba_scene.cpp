@@ -15,8 +15,8 @@ namespace {
 /// Reads the children of <scene> into a LoadedScene, in the order of the file.
 class SceneReader {
  public:
-  explicit SceneReader(const MitsubaTree& tree)
-      : tree_(tree), textures_(tree, notes_), materials_(tree, loaded_.scene.materials, textures_) {}
+  SceneReader(const MitsubaTree& tree, const TextureOptions& textures)
+      : tree_(tree), texture_files_(textures), textures_(tree, texture_files_), materials_(tree, loaded_.scene.materials, textures_) {}
 
   LoadedScene run() {
     // All settings and materials before the first shape: meshes take long to read, errors should not.
@@ -25,6 +25,7 @@ class SceneReader {
     for (const XmlNode& node : tree_.root.children)
       if (node.tag == "shape") read_shape(node);
     if (loaded_.scene.camera) note_clipping(loaded_.scene, clip_, notes_);
+    texture_files_.report(notes_);
     loaded_.notes = notes_.lines();
     return std::move(loaded_);
   }
@@ -93,6 +94,7 @@ class SceneReader {
   const MitsubaTree& tree_;
   LoadedScene loaded_;
   Notes notes_;
+  TextureFiles texture_files_;
   MitsubaTextures textures_;
   MitsubaMaterials materials_;
   ClipPlanes clip_;
@@ -103,9 +105,10 @@ class SceneReader {
 
 }  // namespace
 
-LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions) {
+LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
+                               const TextureOptions& textures) {
   const MitsubaTree tree = read_mitsuba(path, definitions);
-  return SceneReader(tree).run();
+  return SceneReader(tree, textures).run();
 }
 
 }  // namespace twopass
