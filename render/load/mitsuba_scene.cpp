@@ -2,10 +2,10 @@
 
 #include "render/core/error.h"
 #include "render/load/mitsuba_bsdfs.h"
-#include "render/load/mitsuba_clip.h"
 #include "render/load/mitsuba_emitters.h"
 #include "render/load/mitsuba_expand.h"
 #include "render/load/mitsuba_properties.h"
+#include "render/load/mitsuba_references.h"
 #include "render/load/mitsuba_sensor.h"
 #include "render/load/mitsuba_shapes.h"
 
@@ -24,7 +24,6 @@ class SceneReader {
       if (node.tag != "shape") read(node);
     for (const XmlNode& node : tree_.root.children)
       if (node.tag == "shape") read_shape(node);
-    if (loaded_.scene.camera) note_clipping(loaded_.scene, clip_, notes_);
     loaded_.notes = notes_.lines();
     return std::move(loaded_);
   }
@@ -47,8 +46,16 @@ class SceneReader {
     else if (node.tag != "spectrum" && node.tag != "film" && node.tag != "sampler" && node.tag != "rfilter" &&
              node.tag != "texture")
       // Those five are read where something refers to them.
-      throw Error(node.where(), "<" + node.tag + "> is not supported",
-                  "a scene holds: bsdf, emitter, integrator, sensor, shape");
+      refuse(node);
+  }
+
+  [[noreturn]] static void refuse(const XmlNode& node) {
+    const std::string* type = node.find("type");
+    std::string remedy = "a scene holds: bsdf, emitter, integrator, sensor, shape";
+    if (const std::string_view advice = advice_on(node.tag, type ? *type : ""); !advice.empty())
+      remedy.append("; ").append(advice).append("; --ignore-unsupported renders what is left");
+    throw Unsupported({node.tag, type ? *type : "", ""}, node.where(), "<" + node.tag + "> is not supported",
+                      remedy);
   }
 
   void read_sensor(const XmlNode& node) {
@@ -56,7 +63,7 @@ class SceneReader {
       notes_.add(node.where() + ": the scene has several sensors; the first one is used");
       return;
     }
-    loaded_.scene.camera = read_mitsuba_sensor(node, tree_, loaded_.settings, clip_, notes_);
+    loaded_.scene.camera = read_mitsuba_sensor(node, tree_, loaded_.settings, notes_);
   }
 
   void read_integrator(const XmlNode& node) {
@@ -95,7 +102,6 @@ class SceneReader {
   Notes notes_;
   MitsubaTextures textures_;
   MitsubaMaterials materials_;
-  ClipPlanes clip_;
   const XmlNode* integrator_ = nullptr;
   const XmlNode* environment_ = nullptr;
   int shape_count_ = 0;
@@ -103,9 +109,24 @@ class SceneReader {
 
 }  // namespace
 
-LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions) {
-  const MitsubaTree tree = read_mitsuba(path, definitions);
-  return SceneReader(tree).run();
+LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
+                               bool ignore_unsupported) {
+  // Whatever proves to be unsupported is left out of the next attempt. There are few kinds of features, and
+  // nearly all are met before the first mesh is read.
+  LeftOut left_out;
+  for (;;) {
+    try {
+      left_out.restart();
+      const MitsubaTree tree = read_mitsuba(path, definitions, &left_out);
+      check_references(tree);
+      LoadedScene loaded = SceneReader(tree).run();
+      loaded.left_out = left_out.list();
+      return loaded;
+    } catch (const Unsupported& error) {
+      if (!ignore_unsupported) throw;
+      left_out.add(error);
+    }
+  }
 }
 
 }  // namespace twopass
