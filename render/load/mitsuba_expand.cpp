@@ -43,6 +43,12 @@ double parse_version(const XmlNode& root) {
   return version;
 }
 
+std::string known_ids(const MitsubaTree& tree) {
+  std::vector<std::string> known;
+  for (const auto& [name, object] : tree.objects) known.push_back(name);
+  return known.empty() ? "none" : list_some(known);
+}
+
 /// Carries the tree out of the files, one element after the other: parameters must be defined before their use.
 class Expander {
  public:
@@ -62,7 +68,8 @@ class Expander {
       if (dropped_ids_.contains(alias.get("id"))) continue;
       const auto target = tree_.objects.find(alias.get("id"));
       if (target == tree_.objects.end())
-        throw Error(alias.where(), "there is no object '" + alias.get("id") + "'", "give the id of an object");
+        throw Error(alias.where(), "there is no object '" + alias.get("id") + "'",
+                    "known ids: " + known_ids(tree_));
       add_id(alias.get("as"), *target->second, alias);
     }
   }
@@ -230,10 +237,8 @@ MitsubaTree read_mitsuba(const fs::path& path, const Definitions& definitions, L
 const XmlNode& resolve(const MitsubaTree& tree, const XmlNode& reference) {
   const std::string& id = reference.get("id");
   if (const auto found = tree.objects.find(id); found != tree.objects.end()) return *found->second;
-  std::vector<std::string> known;
-  for (const auto& [name, object] : tree.objects) known.push_back(name);
   throw Error(reference.where(), "there is no object with the id '" + id + "'",
-              "known ids: " + list_some(known));
+              "known ids: " + known_ids(tree));
 }
 
 fs::path find_file(const MitsubaTree& tree, const XmlNode& node, const std::string& name) {

@@ -343,6 +343,13 @@ TEST_F(Program, WhatIsNotSupportedCanBeLeftOut) {
   EXPECT_GE(nlohmann::json::parse(read(folder_ / "s.json"))["scene"]["skipped"].size(), 2u);
 }
 
+TEST_F(Program, UnknownNamesAreFollowedByTheKnown) {
+  EXPECT_NE(run("render a.xml -o b.exr --bogus").err.find("--integrator"), std::string::npos);
+  const Outcome command = run("info --bogus x.xml");
+  EXPECT_EQ(command.exit_code, 2);
+  EXPECT_NE(command.err.find("its options:"), std::string::npos) << command.err;
+}
+
 // A window of a picture is what the whole picture has there, to the bit; .exr files remember where it lies.
 TEST_F(Program, ACropIsAPartOfThePicture) {
   ASSERT_EQ(run("render " + box_ + "-o whole.exr --exr-type float --spp 4 --integrator path").exit_code, 0);
