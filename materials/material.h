@@ -62,9 +62,11 @@ struct ShadingGeometry {
   V2f uv{0.0f, 0.0f};
   V3f dp_du{1.0f, 0.0f, 0.0f}, dp_dv{0.0f, 1.0f, 0.0f};  ///< derivatives of the position, world
   V3f wo{0.0f, 0.0f, 1.0f};                              ///< unit, to the viewer, world
-  Frame frame;              ///< the normal on the viewer's side; perturbed in place
-  bool is_back = false;     ///< the viewer sees the back
-  float terminator = 0.0f;  ///< alpha^2 of (M30); 0 where the normal is not perturbed
+  Frame frame;                ///< the normal on the viewer's side; perturbed in place
+  bool is_back = false;       ///< the viewer sees the back
+  float terminator = 0.0f;    ///< alpha^2 of (M30); 0 where the normal is not perturbed
+  V2f footprint{0.0f, 0.0f};  ///< of TexturePoint
+  [[nodiscard]] TexturePoint where() const { return {uv, footprint}; }
 };
 
 /// What there is anywhere on a side: it decides what can be skipped.
@@ -100,10 +102,10 @@ class MaterialSide {
   /// The model at a point, for which the shading frame may be turned. `u` in [0, 1) chooses among mixtures: the
   /// expectation over it is the material. REQUIRES: !is_uniform().
   [[nodiscard]] Bsdf resolve(ShadingGeometry& at, float u) const;
-  /// The share of light that passes straight through at `uv` (masks and null), in [0, 1].
-  [[nodiscard]] float transparency(const V2f& uv) const;
-  /// Albedo of the part that a radiosity solution can hold, at `uv`.
-  [[nodiscard]] C3f diffuse_reflectance(const V2f& uv) const;
+  /// The share of light that passes straight through (masks and null), in [0, 1].
+  [[nodiscard]] float transparency(const TexturePoint& where) const;
+  /// Albedo of the part that a radiosity solution can hold.
+  [[nodiscard]] C3f diffuse_reflectance(const TexturePoint& where) const;
   /// Light goes on, but never diffusely: mirrors, glass, rough metal.
   [[nodiscard]] bool scatters_without_diffusing() const {
     return is_black(traits_.mean_diffuse_reflectance) && (traits_.may_be_specular || traits_.may_be_smooth);

@@ -31,10 +31,14 @@ void add_texture_kind(DataHash& hash, const Checkerboard& checkerboard) {
 }
 void add_texture_kind(DataHash& hash, const Bitmap& bitmap) {
   hash.add(static_cast<std::uint64_t>(bitmap.filter));
-  hash.add(static_cast<std::uint64_t>(bitmap.wrap));
+  hash.add(static_cast<std::uint64_t>(bitmap.wrap_u) << 32 | static_cast<std::uint64_t>(bitmap.wrap_v));
   add_uv_transform(hash, bitmap.to_uv);
-  hash.add(std::uint64_t(bitmap.image->width) << 32 | std::uint64_t(bitmap.image->height));
-  for (const float x : bitmap.image->pixels) hash.add(x);
+  hash.add(bitmap.image->content_hash());
+  if (!bitmap.scale) return;
+  hash.add(bitmap.scale->factor);
+  hash.add(bitmap.scale->offset);
+  hash.add(bitmap.scale->lowest);
+  hash.add(bitmap.scale->highest);
 }
 void add_texture(DataHash& hash, const Texture& texture) {
   hash.add(std::uint64_t{texture.index()});

@@ -67,7 +67,7 @@ void SceneOptions::add_view_to(CLI::App& command) {
 }
 
 LoadedScene SceneOptions::load(const Console& console, Additions additions) const {
-  LoadedScene loaded = load_scene(file, parse_definitions(definitions), ignore_unsupported);
+  LoadedScene loaded = load_scene(file, parse_definitions(definitions), {}, ignore_unsupported);
   for (const Skipped& entry : loaded.left_out) console.note("left out: " + entry.what + " (" + entry.why + ")");
   for (const std::string& note : loaded.notes) console.note(note);
   SceneDescription& scene = loaded.scene;

@@ -25,7 +25,7 @@ std::string text_of(double value) {
 // The models that a material is made of, and the images that it looks at.
 struct Ingredients {
   std::map<std::string, std::size_t> models;
-  std::set<std::shared_ptr<const Image>> images;
+  std::set<std::shared_ptr<const TextureImage>> images;
 
   void add(const Texture& texture) {
     if (const auto* bitmap = std::get_if<Bitmap>(&texture)) images.insert(bitmap->image);
@@ -163,10 +163,10 @@ class Reporter {
         if (const auto* bitmap = std::get_if<Bitmap>(shape.radiance_texture.get()))
           textures_.insert(bitmap->image);
     for (const auto& image : textures_) {
-      if (!image) continue;
-      texture_pixels_ += static_cast<std::uint64_t>(image->width) * static_cast<std::uint64_t>(image->height);
-      if (std::max(image->width, image->height) > huge_texture)
-        problem("a texture has " + std::to_string(image->width) + "x" + std::to_string(image->height) +
+      texture_pixels_ +=
+          static_cast<std::uint64_t>(image->width()) * static_cast<std::uint64_t>(image->height());
+      if (std::max(image->width(), image->height()) > huge_texture)
+        problem("a texture has " + std::to_string(image->width()) + "x" + std::to_string(image->height()) +
                 " pixels");
     }
   }
@@ -295,7 +295,7 @@ class Reporter {
   double area_power_ = 0.0;
   std::vector<std::size_t> used_;  // shapes by material
   std::map<std::string, std::size_t> models_;
-  std::set<std::shared_ptr<const Image>> textures_;
+  std::set<std::shared_ptr<const TextureImage>> textures_;
   std::uint64_t texture_pixels_ = 0;
   ordered_json problems_ = ordered_json::array(), shapes_ = ordered_json::array(),
                materials_ = ordered_json::array();

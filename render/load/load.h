@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/image/filter.h"
+#include "render/load/texture_files.h"
 #include "render/scene/scene.h"
 
 namespace twopass {
@@ -50,6 +51,6 @@ using Definitions = std::map<std::string, std::string>;
 /// Loads by extension: .xml Mitsuba, .obj Wavefront. Throws Error (file:line) for what cannot be read, is
 /// malformed or is not supported, naming what is; with `ignore_unsupported`, the last of these is left out.
 LoadedScene load_scene(const std::filesystem::path& path, const Definitions& definitions,
-                       bool ignore_unsupported = false);
+                       const TextureOptions& textures = {}, bool ignore_unsupported = false);
 
 }  // namespace twopass

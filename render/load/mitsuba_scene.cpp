@@ -15,8 +15,11 @@ namespace {
 /// Reads the children of <scene> into a LoadedScene, in the order of the file.
 class SceneReader {
  public:
-  explicit SceneReader(const MitsubaTree& tree)
-      : tree_(tree), textures_(tree, notes_), materials_(tree, loaded_.scene.materials, textures_) {}
+  SceneReader(const MitsubaTree& tree, const TextureOptions& textures)
+      : tree_(tree),
+        texture_files_(textures),
+        textures_(tree, texture_files_),
+        materials_(tree, loaded_.scene.materials, textures_) {}
 
   LoadedScene run() {
     // All settings and materials before the first shape: meshes take long to read, errors should not.
@@ -24,6 +27,7 @@ class SceneReader {
       if (node.tag != "shape") read(node);
     for (const XmlNode& node : tree_.root.children)
       if (node.tag == "shape") read_shape(node);
+    texture_files_.report(notes_);
     loaded_.notes = notes_.lines();
     return std::move(loaded_);
   }
@@ -100,6 +104,7 @@ class SceneReader {
   const MitsubaTree& tree_;
   LoadedScene loaded_;
   Notes notes_;
+  TextureFiles texture_files_;
   MitsubaTextures textures_;
   MitsubaMaterials materials_;
   const XmlNode* integrator_ = nullptr;
@@ -110,7 +115,7 @@ class SceneReader {
 }  // namespace
 
 LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
-                               bool ignore_unsupported) {
+                               const TextureOptions& textures, bool ignore_unsupported) {
   // Whatever proves to be unsupported is left out of the next attempt. There are few kinds of features, and
   // nearly all are met before the first mesh is read.
   LeftOut left_out;
@@ -119,7 +124,7 @@ LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definiti
       left_out.restart();
       const MitsubaTree tree = read_mitsuba(path, definitions, &left_out);
       check_references(tree);
-      LoadedScene loaded = SceneReader(tree).run();
+      LoadedScene loaded = SceneReader(tree, textures).run();
       loaded.left_out = left_out.list();
       return loaded;
     } catch (const Unsupported& error) {

@@ -11,6 +11,6 @@ namespace twopass {
 /// and for every property that a plugin does not know; with `ignore_unsupported` those are left out: objects
 /// with all that refers to them, bsdfs and textures are replaced by grey ones.
 LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
-                               bool ignore_unsupported = false);
+                               const TextureOptions& textures = {}, bool ignore_unsupported = false);
 
 }  // namespace twopass

@@ -8,7 +8,7 @@ namespace {
 class UnsupportedTest : public LoadTest {
  protected:
   LoadedScene rest_of(const std::string& body) const {
-    return load_scene(write("scene.xml", "<scene version='3.0.0'>\n" + body + "\n</scene>"), {}, true);
+    return load_scene(write("scene.xml", "<scene version='3.0.0'>\n" + body + "\n</scene>"), {}, {}, true);
   }
   LoadedScene all_of(const std::string& body) const {
     return load_xml("<scene version='3.0.0'>\n" + body + "\n</scene>");
