@@ -27,7 +27,7 @@ class Bundle {
       counts.rays += live_;
       scene_.caster().intersect({rays_.data(), live_}, hits_, kind_of_edge(edges));
       if (edges == 1) clip();
-      move(limits, edges, at_vertex);
+      counts.escaped_rays += move(limits, edges, at_vertex);
       counts.shadow_rays += connected_;
       add_unoccluded();
     }
@@ -42,13 +42,16 @@ class Bundle {
       if (hits_[i].t > samples_[i].reach) hits_[i] = {};
   }
   // Takes every live path through the vertex at the end of its edge; those that go on move up in the arrays.
+  // The number of paths that escaped.
   template <class AtVertex>
-  void move(const PathLimits& limits, int edges, const AtVertex& at_vertex) {
+  std::size_t move(const PathLimits& limits, int edges, const AtVertex& at_vertex) {
     const std::size_t arriving = live_;
+    std::size_t escaped = 0;
     live_ = connected_ = 0;
     for (std::size_t i = 0; i < arriving; ++i) {
       const std::uint8_t lane = lanes_[i];
       if (hits_[i].escaped()) {
+        ++escaped;
         escape(scene_, limits, samples_[lane], carried_[lane], rays_[i], edges);
         continue;
       }
@@ -71,6 +74,7 @@ class Bundle {
       rays_[live_] = walk.next_ray();
       ++live_;
     }
+    return escaped;
   }
 
   void add_unoccluded() {

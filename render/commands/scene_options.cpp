@@ -38,7 +38,7 @@ std::string addition_text(bool sky, bool camera) {
 }  // namespace
 
 void SceneOptions::add_to(CLI::App& command) {
-  command.add_option("scene", file, "Scene: Mitsuba XML (.xml) or Wavefront (.obj)")->required();
+  command.add_option("scene", file, "Scene: Mitsuba XML (.xml), Wavefront (.obj) or glTF 2.0 (.gltf, .glb)")->required();
   command.add_option("-D", definitions, "Value of a parameter of a Mitsuba scene, name=value (repeatable)")
       ->allow_extra_args(false);
   command.add_flag("--ignore-unsupported", ignore_unsupported,

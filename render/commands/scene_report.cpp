@@ -58,6 +58,27 @@ std::string names_of(const std::map<std::string, std::size_t>& models) {
   return names;
 }
 
+// What shapes there are; the triangles of instanced meshes as often as they are seen, and once in memory.
+struct ShapeCounts {
+  std::size_t triangles = 0, spheres = 0, disks = 0, cylinders = 0, mesh_instances = 0, stored_triangles = 0;
+  std::set<const Mesh*> shared;
+};
+
+void count(ShapeCounts& counts, const Shape& shape) {
+  if (const Mesh* mesh = mesh_of(shape.geometry)) {
+    const bool is_instance = std::holds_alternative<MeshInstance>(shape.geometry);
+    counts.triangles += mesh->triangles.size();
+    counts.mesh_instances += is_instance;
+    if (!is_instance || counts.shared.insert(mesh).second) counts.stored_triangles += mesh->triangles.size();
+  } else if (std::holds_alternative<Disk>(shape.geometry)) {
+    ++counts.disks;
+  } else if (std::holds_alternative<Cylinder>(shape.geometry)) {
+    ++counts.cylinders;
+  } else {
+    ++counts.spheres;
+  }
+}
+
 // Collects the report piece by piece; problems as they are met.
 class Reporter {
  public:
@@ -69,8 +90,12 @@ class Reporter {
     read_materials();
     const ordered_json lights = read_lights(), camera = read_camera();
     ordered_json report = {{"shapes", scene_.shapes.size()},
-                           {"triangles", triangles_},
-                           {"spheres", spheres_},
+                           {"triangles", all_.triangles},
+                           {"stored_triangles", all_.stored_triangles},
+                           {"mesh_instances", all_.mesh_instances},
+                           {"spheres", all_.spheres},
+                           {"disks", all_.disks},
+                           {"cylinders", all_.cylinders},
                            {"materials", models_},
                            {"emitters", lights},
                            {"textures", textures_.size()},
@@ -99,15 +124,27 @@ class Reporter {
       ++used_[shape.material];
       ordered_json row = {{"name", shape.name}, {"material", scene_.materials[shape.material].name}};
       double area = 0.0;
+      count(all_, shape);
+      if (is_emitter(shape)) count(emitting_, shape);
       if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-        triangles_ += mesh->triangles.size();
-        if (is_emitter(shape)) emitting_triangles_ += mesh->triangles.size();
         area = read_mesh(*mesh, shape.name, row);
       } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-        ++spheres_;
-        if (is_emitter(shape)) ++emitting_spheres_;
         area = 4.0 * pi * sphere->radius * sphere->radius;
         row["kind"] = "sphere";
+      } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
+        area = area_of(*disk);
+        row["kind"] = "disk";
+      } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+        area = area_of(*cylinder);
+        row["kind"] = "cylinder";
+      } else {
+        const Mesh& mesh = *mesh_of(shape.geometry);
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+          const auto p = corners(shape.geometry, static_cast<std::uint32_t>(t));
+          area += 0.5 * V3d(p[1] - p[0]).cross(V3d(p[2] - p[0])).length();
+        }
+        row["kind"] = "instance";
+        row["triangles"] = mesh.triangles.size();
       }
       row["area"] = area;
       const double power =
@@ -130,12 +167,12 @@ class Reporter {
     row["crowded_edges"] = facts.crowded_edges;
     row["degenerate"] = facts.degenerate;
     row["duplicates"] = facts.duplicates;
-    const auto count = [&](std::size_t n, const char* what) {
+    const auto look_at = [&](std::size_t n, const char* what) {
       if (n > 0) problem("shape '" + name + "': " + std::to_string(n) + " " + what);
     };
-    count(facts.degenerate, "triangles without area");
-    count(facts.duplicates, "triangles lie on top of others");
-    count(facts.turned_edges, "edges between triangles that face different ways");
+    look_at(facts.degenerate, "triangles without area");
+    look_at(facts.duplicates, "triangles lie on top of others");
+    look_at(facts.turned_edges, "edges between triangles that face different ways");
     if (facts.is_closed() && facts.signed_volume < 0.0)
       problem("shape '" + name + "' is closed and its front is inside: a room, or flipped");
     return facts.area;
@@ -181,8 +218,10 @@ class Reporter {
     }
     const C3f sky = scene_.environment.mean_radiance();
     if (!needs_of(scene_).light) problem("there is no light: render puts a neutral sky around it");
-    return {{"triangles", emitting_triangles_},
-            {"spheres", emitting_spheres_},
+    return {{"triangles", emitting_.triangles},
+            {"spheres", emitting_.spheres},
+            {"disks", emitting_.disks},
+            {"cylinders", emitting_.cylinders},
             {"area_power", area_power_},
             {"punctual", punctual},
             {"punctual_power", punctual_power},
@@ -291,7 +330,7 @@ class Reporter {
   const LoadedScene& loaded_;
   const SceneDescription& scene_;
   Box3f bounds_;
-  std::size_t triangles_ = 0, spheres_ = 0, emitting_triangles_ = 0, emitting_spheres_ = 0;
+  ShapeCounts all_, emitting_;
   double area_power_ = 0.0;
   std::vector<std::size_t> used_;  // shapes by material
   std::map<std::string, std::size_t> models_;
