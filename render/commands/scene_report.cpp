@@ -138,13 +138,13 @@ class Reporter {
         area = area_of(*cylinder);
         row["kind"] = "cylinder";
       } else {
-        const Mesh& mesh = *mesh_of(shape.geometry);
-        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const std::size_t triangles = mesh_of(shape.geometry)->triangles.size();
+        for (std::size_t t = 0; t < triangles; ++t) {
           const auto p = corners(shape.geometry, static_cast<std::uint32_t>(t));
           area += 0.5 * V3d(p[1] - p[0]).cross(V3d(p[2] - p[0])).length();
         }
         row["kind"] = "instance";
-        row["triangles"] = mesh.triangles.size();
+        row["triangles"] = triangles;
       }
       row["area"] = area;
       const double power =
