@@ -35,6 +35,7 @@ class PixelGroup {
       const Ray ray = job_.camera.ray(
           {static_cast<float>(x) + 0.5f + at.offset.x, static_cast<float>(y) + 0.5f + at.offset.y});
       samples_.push_back({ray, sampler});
+      if (job_.cone.is_open()) samples_.back().cone = job_.cone;
       weights_.push_back(at.weight);
     }
   }

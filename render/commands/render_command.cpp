@@ -212,6 +212,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const std::unique_ptr<Integrator> integrator =
       make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, settings.limits);
   const Camera camera(camera_description, settings.width, settings.height);
+  const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
+                                                          settings.goal.samples_per_pixel)
+                                            : RayCone{};
   {
     Progress progress(console, "rendering");
     s.outcome = render_image({.integrator = *integrator,
@@ -220,10 +223,12 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                               .goal = settings.goal,
                               .seed = settings.seed,
                               .sampler = settings.sampler,
+                              .cone = cone,
                               .report_progress = [&](double fraction) { progress.update(fraction); }},
                              film);
   }
   s.render = stopwatch.elapsed();
+  note_tiled_textures(console, loaded.tiled_textures);
 
   s.scene_file = options.scene.file;
   s.count(scene);

@@ -24,6 +24,21 @@ void SceneOptions::add_to(CLI::App& command) {
   command.add_option("scene", file, "Scene: Mitsuba XML (.xml) or Wavefront (.obj)")->required();
   command.add_option("-D", definitions, "Value of a parameter of a Mitsuba scene, name=value (repeatable)")
       ->allow_extra_args(false);
+  command
+      .add_option_function<std::string>(
+          "--missing-textures",
+          [this](const std::string& name) {
+            textures.missing =
+                value_of_name<MissingTextures>(missing_textures_names, name, "--missing-textures", "way");
+          },
+          "What becomes of a texture whose file is not there: error (default) or pink")
+      ->type_name("WAY");
+  command
+      .add_option(
+          "--texture-memory", textures.memory_megabytes,
+          "Memory that textures may take, MB; what does not fit is read tile by tile when it is looked at")
+      ->check(CLI::Range(16, 1 << 20))
+      ->capture_default_str();
 }
 
 void SceneOptions::add_sky_to(CLI::App& command) {
@@ -45,7 +60,7 @@ void SceneOptions::add_view_to(CLI::App& command) {
 }
 
 LoadedScene SceneOptions::load(const Console& console, Framing framing) const {
-  LoadedScene loaded = load_scene(file, parse_definitions(definitions));
+  LoadedScene loaded = load_scene(file, parse_definitions(definitions), textures);
   for (const std::string& note : loaded.notes) console.note(note);
   SceneDescription& scene = loaded.scene;
   if (!sky.empty()) scene.environment = Environment(C3f(sky[0], sky[1], sky[2]));
@@ -64,6 +79,17 @@ LoadedScene SceneOptions::load(const Console& console, Framing framing) const {
     scene.camera->fov_axis = FovAxis::x;
   }
   return loaded;
+}
+
+void note_tiled_textures(const Console& console, std::span<const TiledTexture> textures) {
+  for (const TiledTexture& texture : textures) {
+    if (const auto tiles = texture.image->unreadable_tiles(); tiles > 0)
+      console.note(texture.name + ": " + std::to_string(tiles) +
+                   " look-ups met tiles that cannot be read; they saw black");
+    if (const auto bad = texture.image->not_finite(); bad > 0)
+      console.note(texture.name + " holds " + std::to_string(bad) +
+                   " values that are NaN or infinite; they read as 0");
+  }
 }
 
 }  // namespace twopass

@@ -19,6 +19,7 @@ struct SceneOptions {
   std::optional<double> fov_degrees;
   std::vector<float> sky;  ///< R, G, B
   std::string envmap;      ///< file
+  TextureOptions textures;
 
   /// Whether a scene without a camera gets one that frames it.
   enum class Framing { none, automatic };
@@ -30,5 +31,8 @@ struct SceneOptions {
   /// Loads the scene, applies the options, and says on the console what was noticed. Throws Error.
   [[nodiscard]] LoadedScene load(const Console& console, Framing framing) const;
 };
+
+/// Says what was wrong with textures that were read while rendering.
+void note_tiled_textures(const Console& console, std::span<const TiledTexture> textures);
 
 }  // namespace twopass

@@ -9,6 +9,7 @@
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
 #include "render/image/oiio_loader.h"
+#include "render/image/regular_file.h"
 
 namespace twopass {
 namespace {
@@ -87,9 +88,7 @@ void write_raster(const fs::path& path, const Image& image) {
 }
 
 RasterImage read_raster(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) throw Error(path.string(), "there is no such file", "check the name");
-  if (fs::is_directory(path, ignored)) throw Error(path.string(), "it is a folder", "give the name of a file");
+  check_regular_file(path);
   Exchange exchange;
   if (oiio_module().decode(path.c_str(), Exchange::allocate, Exchange::take_problem, &exchange) == 0)
     throw Error(path.string(), "it cannot be read: " + exchange.problem, "convert it to .png or .exr");

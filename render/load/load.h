@@ -29,6 +29,7 @@ struct FileSettings {
 struct LoadedScene {
   SceneDescription scene;
   FileSettings settings;
+  std::vector<TiledTexture> tiled_textures;
   std::vector<std::string> notes;  ///< one line each, for stderr: what was replaced or repaired, and why
 };
 

@@ -197,8 +197,8 @@ TEST_F(SolutionFile, ErrorsSayWhatIsWrong) {
   damaged[good.size() / 2] = static_cast<char>(~damaged[good.size() / 2]);
   EXPECT_TRUE(contains(error_with(damaged, scene), "damaged"));
   EXPECT_TRUE(
-      contains(error_of([&] { (void)load_solution(file("none.radiosity"), scene); }), "cannot be read"));
-  EXPECT_TRUE(contains(error_of([&] { (void)load_solution(folder(), scene); }), "cannot be read"));
+      contains(error_of([&] { (void)load_solution(file("none.radiosity"), scene); }), "there is no such file"));
+  EXPECT_TRUE(contains(error_of([&] { (void)load_solution(folder(), scene); }), "this is a folder"));
 }
 
 TEST_F(SolutionFile, AFailedWriteLeavesTheOldFileAlone) {

@@ -56,6 +56,7 @@ Converged render_runs(const LoadedScene& loaded, int runs, int samples) {
   const PathLimits limits{settings.max_depth, settings.rr_depth, settings.hide_emitters};
   const auto integrator = make_integrator(IntegratorKind::path, scene, nullptr, limits);
   const Camera camera(*loaded.scene.camera, settings.width, settings.height);
+  const RayCone cone = sample_cone(camera, settings.width, settings.height, samples);
   std::vector<test::Estimate> estimates(static_cast<std::size_t>(settings.width * settings.height) * 3);
   for (int run = 0; run < runs; ++run) {
     Film film(settings.width, settings.height);
@@ -64,6 +65,7 @@ Converged render_runs(const LoadedScene& loaded, int runs, int samples) {
                                                 .filter = settings.filter,
                                                 .goal = {.samples_per_pixel = samples},
                                                 .seed = static_cast<std::uint32_t>(run + 1),
+                                                .cone = cone,
                                                 .report_progress = {}},
                                                film);
     EXPECT_EQ(outcome.non_finite_samples, 0u);
