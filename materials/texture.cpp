@@ -25,9 +25,10 @@ int wrapped(int i, int size, TextureWrap wrap) {
   return i < size ? i : period - 1 - i;
 }
 
-// Extent of a footprint along the texture's own coordinates.
+// Extent of a footprint along the texture's own coordinates; at least, where these are turned.
 V2f extent_of(const UvTransform& m, const V2f& footprint) {
-  return {std::hypot(m.a * footprint.x, m.b * footprint.y), std::hypot(m.d * footprint.x, m.e * footprint.y)};
+  return {std::max(std::abs(m.a) * footprint.x, std::abs(m.b) * footprint.y),
+          std::max(std::abs(m.e) * footprint.y, std::abs(m.d) * footprint.x)};
 }
 
 // The coarsest level whose texels are no larger than the footprint, along the shorter of its sides (M31).

@@ -1,5 +1,8 @@
 // twopass info: what is in a scene, what it needs, and what will be skipped.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -34,6 +37,44 @@ void count_models(std::map<std::string, std::size_t>& models, const MaterialNode
     ++models["normalmap"];
     count_models(models, *std::get<NormalMap>(node.kind).nested);
   }
+}
+
+using Images = std::set<const TextureImage*>;
+
+void collect(Images& images, const Texture& texture) {
+  if (const auto* bitmap = std::get_if<Bitmap>(&texture)) images.insert(bitmap->image.get());
+  if (const auto* udim = std::get_if<Udim>(&texture))
+    for (const Bitmap& tile : udim->tiles)
+      if (tile.image) images.insert(tile.image.get());
+}
+
+void collect(Images& images, const MaterialNode& node) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) {
+    for (const TextureBinding& binding : model->textures) collect(images, binding.texture);
+  } else if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
+    collect(images, mixture->weight);
+    collect(images, *mixture->first);
+    collect(images, *mixture->second);
+  } else if (const auto* bump = std::get_if<BumpMap>(&node.kind)) {
+    collect(images, bump->height);
+    collect(images, *bump->nested);
+  } else {
+    collect(images, std::get<NormalMap>(node.kind).normal);
+    collect(images, *std::get<NormalMap>(node.kind).nested);
+  }
+}
+
+// The images of all textures, each once, and the memory that they take.
+ordered_json describe_images(const SceneDescription& scene) {
+  Images images;
+  for (const Material& material : scene.materials)
+    for (const MaterialSide& side : material.side) collect(images, *side.node());
+  for (const Shape& shape : scene.shapes)
+    if (shape.radiance_texture) collect(images, *shape.radiance_texture);
+  double bytes = 0.0;
+  for (const TextureImage* image : images) bytes += static_cast<double>(image->memory());
+  const auto tiled = std::ranges::count_if(images, [](const TextureImage* image) { return image->is_tiled(); });
+  return {{"images", images.size()}, {"read_by_tiles", tiled}, {"megabytes", std::round(bytes / 1e4) / 100.0}};
 }
 
 ordered_json describe(const LoadedScene& loaded) {
@@ -76,7 +117,7 @@ ordered_json describe(const LoadedScene& loaded) {
             {"spheres", emitting_spheres},
             {"punctual", punctual},
             {"environment", scene.environment.kind_name()}}},
-          {"textures", 0},
+          {"textures", describe_images(scene)},
           {"bounds", bounds},
           {"size", {loaded.settings.width, loaded.settings.height}},
           {"integrator", name_of_value<IntegratorKind>(integrator_names, integrator)},
