@@ -92,8 +92,8 @@ C3f brute_force(const Texture& texture, const TexturePoint& at) {
 
 TEST(TextureFootprint, CheckerboardsAreIntegratedExactly) {
   const Checkerboard board{C3f(1.0f, 0.5f, 0.0f), C3f(0.0f, 0.25f, 1.0f), {2.0f, 0, 0.1f, 0, 3.0f, -0.2f}};
-  for (const V2f uv : {V2f(0.1f, 0.2f), V2f(0.27f, 0.31f), V2f(7.9f, -3.4f)})
-    for (const V2f footprint : {V2f(0.01f, 0.01f), V2f(0.2f, 0.05f), V2f(0.7f, 1.3f), V2f(30.0f, 40.0f)}) {
+  for (const V2f& uv : {V2f(0.1f, 0.2f), V2f(0.27f, 0.31f), V2f(7.9f, -3.4f)})
+    for (const V2f& footprint : {V2f(0.01f, 0.01f), V2f(0.2f, 0.05f), V2f(0.7f, 1.3f), V2f(30.0f, 40.0f)}) {
       const TexturePoint at(uv, footprint);
       const C3f filtered = color_at(board, at), mean = brute_force(board, at);
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(filtered[c], mean[c], 8e-3f) << uv << footprint;
