@@ -120,6 +120,20 @@ C3f color_of(const Udim& udim, const TexturePoint& at) {
   return tile ? color_of(*tile, at) : C3f(0.0f);
 }
 
+C3f color_of(const MeshColors& colors, const TexturePoint& at) {
+  if (!colors.values || at.place.triangle >= colors.values->corners.size()) return C3f(0.0f);
+  const std::array<C3f, 3>& corner = colors.values->corners[at.place.triangle];
+  const V2f& b = at.place.barycentric;
+  return adjusted(colors.scale, corner[0] * (1.0f - b.x - b.y) + corner[1] * b.x + corner[2] * b.y);
+}
+
+// The second scale after the first, whose limits are those of what is already in range.
+std::optional<TexelScale> combined(const std::optional<TexelScale>& first, const TexelScale& second) {
+  if (!first) return second;
+  return TexelScale{first->factor * second.factor, first->offset * second.factor + second.offset, second.lowest,
+                    second.highest};
+}
+
 }  // namespace
 
 C3f color_at(const Texture& texture, const TexturePoint& at) {
@@ -157,6 +171,8 @@ C3f mean_color(const Texture& texture) {
     return (checkerboard->color0 + checkerboard->color1) * 0.5f;
   const auto mean = [](const Bitmap& bitmap) { return adjusted(bitmap.scale, bitmap.image->mean()); };
   if (const auto* bitmap = std::get_if<Bitmap>(&texture)) return mean(*bitmap);
+  if (const auto* colors = std::get_if<MeshColors>(&texture))
+    return colors->values ? adjusted(colors->scale, colors->values->mean) : C3f(0.0f);
   C3f sum(0.0f);
   float count = 0.0f;
   for (const Bitmap& tile : std::get<Udim>(texture).tiles)
@@ -182,14 +198,11 @@ Texture scaled(Texture texture, const TexelScale& scale) {
     checkerboard->color0 = adjusted(scale, checkerboard->color0);
     checkerboard->color1 = adjusted(scale, checkerboard->color1);
   } else if (auto* bitmap = std::get_if<Bitmap>(&texture)) {
-    // The limits of the first are those of what is already in range: the second's count.
-    const std::optional<TexelScale> before = bitmap->scale;
-    bitmap->scale = before
-                        ? TexelScale{before->factor * scale.factor,
-                                     before->offset * scale.factor + scale.offset, scale.lowest, scale.highest}
-                        : scale;
+    bitmap->scale = combined(bitmap->scale, scale);
+  } else if (auto* colors = std::get_if<MeshColors>(&texture)) {
+    colors->scale = combined(colors->scale, scale);
   } else {
-    for (Bitmap& tile : std::get<Udim>(texture).tiles) tile = std::get<Bitmap>(scaled(tile, scale));
+    for (Bitmap& tile : std::get<Udim>(texture).tiles) tile.scale = combined(tile.scale, scale);
   }
   return texture;
 }
