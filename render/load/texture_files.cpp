@@ -39,18 +39,18 @@ fs::path find_texture_file(const std::string& name, std::span<const fs::path> fo
 }
 
 Texture TextureFiles::load(const TextureRequest& request) {
-  Bitmap bitmap = request.look;
+  Texture texture = request.look;
+  std::shared_ptr<const TextureImage>& image = std::get<Bitmap>(texture).image;
   if (!request.encoded.empty()) {
-    bitmap.image =
-        shared(read_texture(request.encoded, request.texels, request.where + ": " + request.name), request);
-    return bitmap;
+    image = shared(read_texture(request.encoded, request.texels, request.where + ": " + request.name), request);
+    return texture;
   }
   if (const std::size_t mark = request.name.find(udim_mark); mark != std::string::npos)
     return load_udim(request, mark);
   const fs::path path = find_texture_file(request.name, request.folders);
   if (path.empty()) return missing(request);
-  bitmap.image = of_file(path, request);
-  return bitmap;
+  image = of_file(path, request);
+  return texture;
 }
 
 Texture TextureFiles::missing(const TextureRequest& request) {
