@@ -164,7 +164,7 @@ TEST(RayCone, IsNarrowerWithMoreSamplesDownToAnEighth) {
   const RayCone mirrored = one.scattered(2.0f, 1e6f, true), blurred = one.scattered(2.0f, 1.0f / pi_f, false);
   EXPECT_FLOAT_EQ(mirrored.width, 2.0f * one.spread);
   EXPECT_EQ(mirrored.spread, one.spread);
-  EXPECT_EQ(blurred.spread, 1.0f);
+  EXPECT_FLOAT_EQ(blurred.spread, 0.25f * std::sqrt(pi_f));
   EXPECT_FALSE(RayCone{}.is_open());
 }
 
