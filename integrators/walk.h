@@ -49,7 +49,7 @@ class Walk {
         edges_(edges - carried.passed),
         distance_(carried.passed_length + hit.t),
         point_(scene.surface_point(ray, hit)),
-        bsdf_(&scene.resolve(point_, ray.direction, resolved_, [&sample] { return sample.sampler.next_1d(); })),
+        bsdf_(&resolve()),
         wo_(point_.shading.to_local(-ray.direction)) {}
 
   /// Adds the light met here (I2). False: the path has all the edges that it may have.
@@ -92,6 +92,8 @@ class Walk {
       carried_.gathers = drawn->pdf_w < broad_lobe_pdf_w;
       carried_.last_receiver = receiver_at(point_, *bsdf_);
     }
+    if (sample_.cone.is_open())
+      sample_.cone = sample_.cone.scattered(distance_, drawn->pdf_w, drawn->is_specular);
     next_ray_ = {spawn_position(point_, direction), direction};
     return edges_ < limits_.rr_depth || survives();
   }
@@ -118,6 +120,11 @@ class Walk {
   [[nodiscard]] const Ray& next_ray() const { return next_ray_; }
 
  private:
+  const Bsdf& resolve() {
+    if (sample_.cone.is_open()) point_.beam_width = sample_.cone.width_at(distance_);
+    return scene_.resolve(point_, ray_.direction, resolved_, [this] { return sample_.sampler.next_1d(); });
+  }
+
   // All of the light where the last vertex could not have sampled it (the camera, a specular vertex), else the
   // share of the scattered ray (I3).
   [[nodiscard]] float emission_weight() const {

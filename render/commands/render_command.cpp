@@ -257,6 +257,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const std::unique_ptr<Integrator> integrator =
       make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, settings.limits);
   const Camera camera(camera_description, settings.width, settings.height);
+  const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
+                                                          settings.goal.samples_per_pixel)
+                                            : RayCone{};
   {
     Progress progress(console, "rendering");
     s.outcome = render_image({.integrator = *integrator,
@@ -265,11 +268,13 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                               .goal = settings.goal,
                               .seed = settings.seed,
                               .sampler = settings.sampler,
+                              .cone = cone,
                               .report_progress = [&](double fraction) { progress.update(fraction); },
                               .corner = settings.window.corner},
                              film);
   }
   s.render = stopwatch.elapsed();
+  note_tiled_textures(console, loaded.tiled_textures);
 
   s.scene_file = options.scene.file;
   s.count(scene);

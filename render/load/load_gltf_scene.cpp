@@ -26,6 +26,7 @@ class SceneBuilder {
   SceneBuilder(const GltfDocument& document, const TextureOptions& textures, LoadedScene& loaded, Notes& notes)
       : document_(document),
         scene_(loaded.scene),
+        tiled_textures_(loaded.tiled_textures),
         notes_(notes),
         textures_(document, textures, notes),
         materials_(document, textures_, loaded.scene, notes) {}
@@ -125,6 +126,7 @@ class SceneBuilder {
 
   void report() {
     textures_.report();
+    tiled_textures_ = textures_.tiled();
     const auto note = [&](std::size_t count, const char* what) {
       if (count > 0) notes_.add(document_.file + ": " + std::to_string(count) + " " + what);
     };
@@ -137,6 +139,7 @@ class SceneBuilder {
 
   const GltfDocument& document_;
   SceneDescription& scene_;
+  std::vector<TiledTexture>& tiled_textures_;
   Notes& notes_;
   GltfTextures textures_;
   GltfMaterials materials_;
