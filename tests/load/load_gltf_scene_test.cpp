@@ -248,7 +248,7 @@ TEST_F(GltfLights, WhatIsNoLightIsRefused) {
   refused({{"type", "point"}, {"color", {1, 1}}}, {"has a color of 2 numbers"});
   refused({{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}, {"has cones of"});
   refused({{"type", "spot"}, {"spot", {{"outerConeAngle", 2.0}}}}, {"has cones of"});
-  refused({{"type", "spot"}}, {"spot"});
+  refused({{"type", "spot"}}, {"Spot light description not found"});
 }
 
 TEST_F(LoadGltfScene, ParametersAreMitsubas) {
