@@ -121,9 +121,11 @@ void stream(const TwopassSource& source, const TwopassRowSink& sink) {
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto* bytes = static_cast<const unsigned char*>(source.bytes);
   OIIO::Filesystem::IOMemReader memory(bytes, source.size);
+  // With hints, the argument of `open` for it is not looked at.
+  OIIO::Filesystem::IOProxy* const proxy = &memory;
+  if (bytes) hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const std::unique_ptr<OIIO::ImageInput> input =
-      bytes ? OIIO::ImageInput::open(name_of_encoded(bytes, source.size), &hints, &memory)
-            : OIIO::ImageInput::open(source.path, &hints);
+      OIIO::ImageInput::open(bytes ? name_of_encoded(bytes, source.size) : source.path, &hints);
   if (!input) fail(OIIO::geterror());
   const OIIO::ImageSpec spec = input->spec();
   if (spec.deep || spec.nchannels < 1) fail("it holds no flat picture");
