@@ -34,8 +34,10 @@ void check_extensions(const json& document, const std::string& file, Notes& note
       throw Error(file, "requires the extension '" + name + "', which is not supported",
                   "export without it; supported: " + join_names(gltf_extensions));
   std::string unknown;
+  constexpr std::size_t longest = 1000;
   for (const std::string& name : texts(document, "extensionsUsed"))
-    if (!is_supported_gltf_extension(name)) unknown += (unknown.empty() ? "" : ", ") + name;
+    if (!is_supported_gltf_extension(name) && unknown.size() + name.size() < longest)
+      unknown += (unknown.empty() ? "" : ", ") + name;
   if (!unknown.empty()) notes.add(file + ": extensions that are not supported are left out: " + unknown);
 }
 

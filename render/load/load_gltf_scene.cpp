@@ -33,10 +33,14 @@ class SceneBuilder {
   void add_meshes(const std::vector<GltfPlace>& places) {
     for (const GltfPlace& place : places)
       if (const int mesh = document_.model.nodes[place.node].mesh; mesh >= 0) add_mesh(place, mesh);
-    report();
-    if (scene_.shapes.empty())
-      throw Error(document_.file, "no mesh with triangles hangs in its scene",
-                  "give a file with something to render");
+    textures_.report();
+    const std::vector<std::string> losses = describe_losses();
+    if (scene_.shapes.empty()) {
+      std::string what = "no mesh with triangles hangs in its scene";
+      for (const std::string& loss : losses) what.append(", ").append(loss);
+      throw Error(document_.file, what, "give a file with something to render");
+    }
+    for (const std::string& loss : losses) notes_.add(document_.file + ": " + loss);
   }
 
  private:
@@ -123,16 +127,17 @@ class SceneBuilder {
                   "store the meshes that repeat less often");
   }
 
-  void report() {
-    textures_.report();
-    const auto note = [&](std::size_t count, const char* what) {
-      if (count > 0) notes_.add(document_.file + ": " + std::to_string(count) + " " + what);
+  [[nodiscard]] std::vector<std::string> describe_losses() const {
+    std::vector<std::string> result;
+    const auto add = [&](std::size_t count, const char* what) {
+      if (count > 0) result.push_back(std::to_string(count) + " " + what);
     };
-    note(losses_.not_triangles, "primitives made of points or lines are left out");
-    note(losses_.bad_indices, "triangles with indices out of range are left out");
-    note(losses_.not_finite, "triangles with coordinates that are not finite or too large are left out");
-    note(losses_.without_area, "triangles without area are left out");
-    note(losses_.morph_targets, "primitives with morph targets are rendered without them");
+    add(losses_.not_triangles, "primitives made of points or lines are left out");
+    add(losses_.bad_indices, "triangles with indices out of range are left out");
+    add(losses_.not_finite, "triangles with coordinates that are not finite or too large are left out");
+    add(losses_.without_area, "triangles without area are left out");
+    add(losses_.morph_targets, "primitives with morph targets are rendered without them");
+    return result;
   }
 
   const GltfDocument& document_;
