@@ -35,20 +35,6 @@ void check_mode(mode_t mode, const fs::path& path, std::string_view asked_by) {
   refuse(path, asked_by, std::string("this is not a regular file but a ") + kind, "name a file");
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-
- private:
-  int number_;
-};
-
 std::uint64_t memory_of_machine() {
   return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
          static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
@@ -88,25 +74,45 @@ void check_regular_file(const fs::path& path, std::string_view asked_by) {
   check_mode(status.st_mode, path, asked_by);
 }
 
-std::string read_regular_file(const fs::path& path, std::string_view asked_by) {
+RegularFile::RegularFile(fs::path path, std::string_view asked_by)
+    : path_(std::move(path)), asked_by_(asked_by) {
   // Asked before opening, because opening alone may have an effect on a device, and again of what was opened,
   // which may by now be something else; without blocking, in case that is a pipe.
-  check_regular_file(path, asked_by);
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
-  struct stat status {};
-  if (file.number() < 0 || ::fstat(file.number(), &status) != 0) refuse_to_open(path, asked_by, errno);
-  check_mode(status.st_mode, path, asked_by);
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size > memory_of_machine())
-    refuse(path, asked_by, "it has " + std::to_string(size) + " bytes, more than this machine's memory",
-           "split it, or check that it is the right file");
-  std::string bytes(size, '\0');
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t got = ::read(file.number(), bytes.data() + done, bytes.size() - done);
+  check_regular_file(path_, asked_by);
+  descriptor_ = ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (descriptor_ < 0) refuse_to_open(path_, asked_by, errno);
+  try {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) refuse_to_open(path_, asked_by, errno);
+    check_mode(status.st_mode, path_, asked_by);
+    size_ = static_cast<std::uint64_t>(status.st_size);
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+RegularFile::~RegularFile() { ::close(descriptor_); }
+
+std::size_t RegularFile::read(char* to, std::size_t count) {
+  count = static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - done_));
+  for (std::size_t done = 0; done < count;) {
+    const ssize_t got = ::read(descriptor_, to + done, count - done);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) refuse(path, asked_by, "cannot be read to its end", "check the disk");
+    if (got <= 0) refuse(path_, asked_by_, "cannot be read to its end", "check the disk");
     done += static_cast<std::size_t>(got);
   }
+  done_ += count;
+  return count;
+}
+
+std::string read_regular_file(const fs::path& path, std::string_view asked_by) {
+  RegularFile file(path, asked_by);
+  if (file.size() > memory_of_machine())
+    refuse(path, asked_by, "it has " + std::to_string(file.size()) + " bytes, more than this machine's memory",
+           "split it, or check that it is the right file");
+  std::string bytes(static_cast<std::size_t>(file.size()), '\0');
+  file.read(bytes.data(), bytes.size());
   return bytes;
 }
 

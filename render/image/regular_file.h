@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,9 +16,28 @@ namespace twopass {
 /// a name; prefer read_regular_file, which leaves no time between check and reading.
 void check_regular_file(const std::filesystem::path& path, std::string_view asked_by = {});
 
-/// The bytes of a regular file. Throws as check_regular_file, and when the file cannot be opened, cannot be
-/// read to its end, or is larger than the machine's memory. The size is that at opening; bytes that are
-/// appended later are not read. (Not mapped: a mapped file that somebody shortens kills its reader.)
+/// A regular file to be read from front to back. Its size is that at opening; bytes that are appended later are
+/// not read. (Not mapped: a mapped file that somebody shortens kills its reader.)
+class RegularFile {
+ public:
+  /// Throws as check_regular_file, and when the file cannot be opened.
+  explicit RegularFile(std::filesystem::path path, std::string_view asked_by = {});
+  ~RegularFile();
+  RegularFile(const RegularFile&) = delete;
+  RegularFile& operator=(const RegularFile&) = delete;
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Reads the next `count` bytes, or those that are left; returns how many. Throws Error when the file has
+  /// become shorter or cannot be read.
+  std::size_t read(char* to, std::size_t count);
+
+ private:
+  std::filesystem::path path_;
+  std::string asked_by_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0, done_ = 0;
+};
+
+/// The bytes of a regular file. Throws as RegularFile, and when it is larger than the machine's memory.
 std::string read_regular_file(const std::filesystem::path& path, std::string_view asked_by = {});
 
 /// What `path` means on a machine that is strict about names: itself where it exists; else with back-slashes as

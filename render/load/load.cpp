@@ -19,7 +19,7 @@ LoadedScene load_scene(const std::filesystem::path& path, const Definitions& def
   const bool is_obj = extension == ".obj", is_gltf = extension == ".gltf" || extension == ".glb";
   if ((is_obj || is_gltf) && !definitions.empty())
     throw Error("-D " + definitions.begin()->first, "only Mitsuba's scenes have parameters", "leave it out");
-  if (is_obj) return load_obj_scene(path);
+  if (is_obj) return load_obj_scene(path, textures);
   if (is_gltf) return load_gltf_scene(path, textures);
   throw Error(path.string(), "unknown scene format '" + extension + "'",
               "supported: .xml (Mitsuba 0.4 to 3.x), .obj (Wavefront), .gltf and .glb (glTF 2.0)");
