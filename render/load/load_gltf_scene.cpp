@@ -5,6 +5,7 @@
 #include "render/load/gltf_lights.h"
 #include "render/load/gltf_materials.h"
 #include "render/load/gltf_mesh.h"
+#include "render/load/mesh_colors.h"
 #include "render/load/mesh_tools.h"
 
 namespace twopass {
@@ -88,6 +89,7 @@ class SceneBuilder {
     Mesh mesh = primitive.mesh;
     GltfVertexData vertices{.colors = !primitive.colors.empty()};
     const GltfSurface& surface = materials_.of(material, vertices, user);
+    if (vertices.colors) mesh.attributes.push_back({gltf_vertex_colors, primitive.colors});
     mesh.uvs = primitive.uvs[std::min(surface.uv_set, 1)];
     transform(mesh, place.to_world, document_.file + ": node '" + name_of_node(document_, place.node) + "'");
     if (is_mirroring(place.to_world)) reverse_winding(mesh);
@@ -114,6 +116,8 @@ class SceneBuilder {
     shape.material = surface.material;
     shape.radiance = surface.radiance;
     shape.radiance_texture = surface.radiance_texture;
+    bind_mesh_colors(shape, scene_.materials, document_.file);
+    if (surface.both_sides_emit) shape.radiance[back] = shape.radiance[front];
     scene_.shapes.push_back(std::move(shape));
   }
 

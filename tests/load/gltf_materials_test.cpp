@@ -205,6 +205,34 @@ TEST_F(GltfMaterialsTest, UnlitEmitsItsColor) {
   EXPECT_FALSE(std::holds_alternative<Null>(loaded_.scene.materials[0].side[back].uniform()));
 }
 
+TEST_F(GltfMaterialsTest, VertexColorsMultiplyTheBaseColor) {
+  GltfWriter w;
+  w.add_triangle();
+  w.primitive()["attributes"]["COLOR_0"] =
+      w.add_accessor("VEC4", 4, std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 51, 255});
+  w.document["accessors"].back()["normalized"] = true;
+  w.primitive()["material"] =
+      w.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
+  loaded_ = load_gltf(w.gltf());
+  const auto color = [&](const Texture& texture, float u, float v) {
+    return color_at(texture, TexturePoint({0, 0}, {0, 0}, MeshPlace{0, {u, v}}));
+  };
+  const Shape& shape = loaded_.scene.shapes.at(0);
+  const auto& lit =
+      std::get<TexturedModel>(loaded_.scene.materials.at(shape.material).side[front].node()->kind);
+  ASSERT_EQ(lit.textures.size(), 1u);
+  expect_near(color(lit.textures[0].texture, 0, 0), {0.5f, 0, 0});
+  expect_near(color(lit.textures[0].texture, 1, 0), {0, 0.5f, 0});
+  expect_near(color(lit.textures[0].texture, 0, 1), {0, 0, 0.1f});
+  // Unlit: the colours shine.
+  w.document["materials"][0]["extensions"]["KHR_materials_unlit"] = json::object();
+  loaded_ = load_gltf(w.gltf());
+  const Shape& unlit = loaded_.scene.shapes.at(0);
+  expect_near(unlit.radiance[front], {0.5f / 3, 0.5f / 3, 0.1f / 3});
+  ASSERT_TRUE(unlit.radiance_texture);
+  expect_near(color(*unlit.radiance_texture, 0, 1), {0, 0, 0.1f});
+}
+
 TEST_F(GltfMaterialsTest, AlphaModes) {
   json material{{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.5}}}}};
   const auto transparency = [&](const V2f& uv) { return material_side().transparency(uv); };
