@@ -226,6 +226,25 @@ MaterialNodePtr behind(const MaterialNodePtr& node) {
   return std::make_shared<const MaterialNode>(std::move(result));
 }
 
+MaterialNodePtr changed(const MaterialNodePtr& node, const std::function<Texture(const Texture&)>& change) {
+  MaterialNode result = *node;
+  if (auto* model = std::get_if<TexturedModel>(&result.kind)) {
+    for (TextureBinding& binding : model->textures) binding.texture = change(binding.texture);
+  } else if (auto* mixture = std::get_if<Mixture>(&result.kind)) {
+    mixture->weight = change(mixture->weight);
+    mixture->first = changed(mixture->first, change);
+    mixture->second = changed(mixture->second, change);
+  } else if (auto* bump = std::get_if<BumpMap>(&result.kind)) {
+    bump->height = change(bump->height);
+    bump->nested = changed(bump->nested, change);
+  } else {
+    auto& map = std::get<NormalMap>(result.kind);
+    map.normal = change(map.normal);
+    map.nested = changed(map.nested, change);
+  }
+  return std::make_shared<const MaterialNode>(std::move(result));
+}
+
 }  // namespace
 
 MaterialSide::MaterialSide(const Bsdf& bsdf) : bsdf_(bsdf), traits_(traits_of(bsdf)) {}
@@ -254,6 +273,13 @@ float MaterialSide::transparency(const TexturePoint& where) const {
 
 C3f MaterialSide::diffuse_reflectance(const TexturePoint& where) const {
   return node_ ? diffuse_reflectance_of(*node_, where) : traits_.mean_diffuse_reflectance;
+}
+
+Material with_textures(const Material& material, const std::function<Texture(const Texture&)>& change) {
+  Material result = material;
+  for (MaterialSide& side : result.side)
+    if (!side.is_uniform()) side = MaterialSide(changed(side.node(), change));
+  return result;
 }
 
 Bsdf seen_from_behind(const Bsdf& bsdf) {

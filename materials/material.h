@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,7 +67,8 @@ struct ShadingGeometry {
   bool is_back = false;       ///< the viewer sees the back
   float terminator = 0.0f;    ///< alpha^2 of (M30); 0 where the normal is not perturbed
   V2f footprint{0.0f, 0.0f};  ///< of TexturePoint
-  [[nodiscard]] TexturePoint where() const { return {uv, footprint}; }
+  MeshPlace place{};
+  [[nodiscard]] TexturePoint where() const { return {uv, footprint, place}; }
 };
 
 /// What there is anywhere on a side: it decides what can be skipped.
@@ -130,6 +132,9 @@ inline Material one_sided(std::string name, const MaterialSide& front_side) {
 inline Material two_sided(std::string name, const MaterialSide& front_side, const MaterialSide& back_side) {
   return {std::move(name), {front_side, back_side}};
 }
+/// The material with change(texture) in place of every texture.
+Material with_textures(const Material& material, const std::function<Texture(const Texture&)>& change);
+
 /// The material of a model with the back that belongs to it: `seen_from_behind`.
 Material material_of(std::string name, const MaterialSide& front_side);
 /// A closed or open interface; `outside` is the model seen from the front.

@@ -103,6 +103,20 @@ C3f color_of(const Bitmap& bitmap, const TexturePoint& at) {
   return adjusted(bitmap.scale, upper * (1.0f - p.y) + lower * p.y);
 }
 
+C3f color_of(const MeshColors& colors, const TexturePoint& at) {
+  if (!colors.values || at.place.triangle >= colors.values->corners.size()) return C3f(0.0f);
+  const std::array<C3f, 3>& corner = colors.values->corners[at.place.triangle];
+  const V2f& b = at.place.barycentric;
+  return adjusted(colors.scale, corner[0] * (1.0f - b.x - b.y) + corner[1] * b.x + corner[2] * b.y);
+}
+
+// The second scale after the first, whose limits are those of what is already in range.
+std::optional<TexelScale> combined(const std::optional<TexelScale>& first, const TexelScale& second) {
+  if (!first) return second;
+  return TexelScale{first->factor * second.factor, first->offset * second.factor + second.offset, second.lowest,
+                    second.highest};
+}
+
 }  // namespace
 
 C3f color_at(const Texture& texture, const TexturePoint& at) {
@@ -137,6 +151,8 @@ C3f mean_color(const Texture& texture) {
   if (const auto* color = std::get_if<C3f>(&texture)) return *color;
   if (const auto* checkerboard = std::get_if<Checkerboard>(&texture))
     return (checkerboard->color0 + checkerboard->color1) * 0.5f;
+  if (const auto* colors = std::get_if<MeshColors>(&texture))
+    return colors->values ? adjusted(colors->scale, colors->values->mean) : C3f(0.0f);
   const Bitmap& bitmap = std::get<Bitmap>(texture);
   return adjusted(bitmap.scale, bitmap.image->mean());
 }
@@ -149,12 +165,11 @@ Texture scaled(Texture texture, const TexelScale& scale) {
   } else if (auto* checkerboard = std::get_if<Checkerboard>(&texture)) {
     checkerboard->color0 = adjusted(scale, checkerboard->color0);
     checkerboard->color1 = adjusted(scale, checkerboard->color1);
+  } else if (auto* colors = std::get_if<MeshColors>(&texture)) {
+    colors->scale = combined(colors->scale, scale);
   } else {
-    auto& before = std::get<Bitmap>(texture).scale;
-    // The limits of the first are those of what is already in range: the second's count.
-    before = before ? TexelScale{before->factor * scale.factor, before->offset * scale.factor + scale.offset,
-                                 scale.lowest, scale.highest}
-                    : scale;
+    Bitmap& bitmap = std::get<Bitmap>(texture);
+    bitmap.scale = combined(bitmap.scale, scale);
   }
   return texture;
 }

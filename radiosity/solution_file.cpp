@@ -4,9 +4,8 @@
 #include <bit>
 #include <cstring>
 
-#include <zlib.h>
-
 #include "radiosity/scene_fingerprint.h"
+#include "render/core/deflate.h"
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
 #include "render/image/regular_file.h"
@@ -22,11 +21,6 @@ constexpr std::uint32_t format_version = 1;
 constexpr std::size_t checksum_size = 4;
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
-
-std::uint32_t crc_of(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 class Writer {
  public:
@@ -166,7 +160,7 @@ std::span<const std::byte> checked_content(const std::filesystem::path& path, st
   std::uint32_t checksum;
   std::memcpy(&checksum, bytes.data() + bytes.size() - checksum_size, checksum_size);
   if (header.version != format_version || header.size != bytes.size() ||
-      crc_of(bytes.first(bytes.size() - checksum_size)) != checksum)
+      crc32_of(bytes.first(bytes.size() - checksum_size)) != checksum)
     refuse(path, "the file is damaged");
   if (header.fingerprint != scene_fingerprint(scene))
     throw Error(path.string(), "this solution belongs to another scene",
@@ -214,7 +208,7 @@ std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& sol
   std::vector<std::byte>& bytes = write.bytes();
   header.size = bytes.size() + checksum_size;
   std::memcpy(bytes.data(), &header, sizeof header);
-  write(crc_of(bytes));
+  write(crc32_of(bytes));
   return std::move(bytes);
 }
 

@@ -23,6 +23,7 @@ class MitsubaTextures {
   Texture read_bitmap(Properties& p, ColorUse use);
   Texture read_checkerboard(Properties& p, ColorUse use);
   Texture read_scale(Properties& p, ColorUse use);
+  Texture read_mesh_attribute(Properties& p, ColorUse use);
 
   const MitsubaTree& tree_;
   TextureFiles& files_;

@@ -27,7 +27,7 @@ const std::vector<std::pair<std::string, std::string>> homes{
     {"tiny_obj_loader", "render/load/"},
     {"pugixml", "render/load/"},
     {"CLI/", "render/"},
-    {"zlib.h", "radiosity/solution_file.cpp"},
+    {"zlib.h", "render/core/deflate.cpp"},
 };
 
 std::size_t room_of(const std::string& path) {
