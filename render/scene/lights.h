@@ -35,7 +35,7 @@ class Lights {
   /// Emitting shapes alone. REQUIRES: the shapes outlive the lights.
   explicit Lights(std::span<const Shape> shapes) : Lights(shapes, {}, no_environment(), Box3f()) {}
 
-  [[nodiscard]] bool empty() const { return count() == 0; }
+  [[nodiscard]] bool empty() const { return entries_.empty() && distant_.empty(); }
   /// Number of lights that are chosen among: polygons (light_polygons()), spheres, punctual lights and the
   /// environment.
   [[nodiscard]] std::size_t count() const { return entries_.size() + distant_.size(); }
@@ -62,6 +62,7 @@ class Lights {
   void add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds, std::vector<double>& weights);
   /// Radiance that a point of the light sends to the side on which the receiver is.
   [[nodiscard]] C3f radiance(const Entry& entry, Side side, const V3f& position) const;
+  [[nodiscard]] C3f textured_radiance(const Entry& entry, const V3f& position) const;
   [[nodiscard]] LightSample sample_of(const Entry& entry, const LightPolygon& polygon, const Receiver& receiver,
                                       const V2f& u) const;
   [[nodiscard]] LightSample sample_of(const Entry& entry, SphereLight, const Receiver& receiver,
