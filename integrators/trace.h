@@ -32,7 +32,7 @@ class Bundle {
       const std::size_t arriving = live_;
       live_ = connected_ = 0;
       for (std::size_t begin = 0; begin < arriving; begin += block_size)
-        move(begin, std::min(begin + block_size, arriving), edges, at_vertex);
+        move(begin, std::min(begin + block_size, arriving), edges, counts, at_vertex);
       counts.shadow_rays += connected_;
       add_unoccluded();
     }
@@ -46,8 +46,8 @@ class Bundle {
   // the arrays, where they never overtake those that are still to come. Each stage is a short loop over all of
   // them, so that the processor works on several at a time instead of waiting for every number of one (I10).
   template <class AtVertex>
-  void move(std::size_t begin, std::size_t end, int edges, const AtVertex& at_vertex) {
-    std::size_t count = arrive(begin, end, edges);
+  void move(std::size_t begin, std::size_t end, int edges, RayCounts& counts, const AtVertex& at_vertex) {
+    std::size_t count = arrive(begin, end, edges, counts);
     const std::size_t arrived = std::exchange(count, 0);
     for (std::size_t k = 0; k < arrived; ++k) {
       const Step step = at_vertex(vertices_[k]);
@@ -62,11 +62,12 @@ class Bundle {
   }
 
   // The number of paths that have arrived at vertices where they may go on.
-  std::size_t arrive(std::size_t begin, std::size_t end, int edges) {
+  std::size_t arrive(std::size_t begin, std::size_t end, int edges, RayCounts& counts) {
     std::size_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint8_t lane = lanes_[i];
       if (hits_[i].escaped()) {
+        ++counts.escaped_rays;
         escape(scene_, limits_, samples_[lane], carried_[lane], rays_[i], edges);
         continue;
       }

@@ -23,6 +23,13 @@ struct Carried {
 /// have at most 1 / pi.
 inline constexpr float broad_lobe_pdf_w = 1.0f;
 
+/// Russian roulette (I4) of a path that carries `share` of its importance. Paths play that carry less than a
+/// quarter, and carry it again if they survive: playing already below 1 saves few rays for much variance.
+inline float survival_probability(float share) {
+  constexpr float least_share = 0.25f;
+  return std::min(share * (1.0f / least_share), 0.95f);
+}
+
 /// What a path does at a vertex, after it has met the light there.
 enum class Step : std::uint8_t {
   end,
@@ -144,7 +151,7 @@ class Vertex {
   bool survives() {
     C3f& throughput = carried_->throughput;
     const float ior = carried_->relative_ior;
-    const float survival = std::min(max_component(throughput) * ior * ior, 0.95f);
+    const float survival = survival_probability(max_component(throughput) * ior * ior);
     if (sample_->sampler.next_1d() >= survival) return false;
     throughput *= 1.0f / survival;
     return true;

@@ -6,8 +6,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "integrators/direct_light.h"
 #include "integrators/path.h"
+#include "integrators/vertex.h"
 #include "render/core/parallel.h"
 #include "render/load/load.h"
 
@@ -94,7 +94,7 @@ std::vector<Query> recorded_rays() {
       const V3f w = p.shading.to_world(drawn->wi);
       ray = {spawn_position(p, w), w};
       if (edges >= 5) {
-        const float survival = std::min(max_component(throughput), 0.95f);
+        const float survival = survival_probability(max_component(throughput));
         if (sampler.next_1d() >= survival) break;
         throughput *= 1.0f / survival;
       }
