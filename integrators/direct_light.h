@@ -35,11 +35,18 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
   return cosine * unperturbed > 0.0f ? soft_terminator(point.terminator, unperturbed) : 0.0f;
 }
 
-/// One light sample at `point`, weighted against the scattered ray; its radiance is what the surface would
-/// reflect towards wo (local, unit). Nothing where no light can come of it. REQUIRES: the scene has lights; the
-/// surface is not purely specular.
+/// Who else finds the lights that next-event estimation samples.
+enum class Rival {
+  scattered_ray,  ///< the path goes on: both are weighted (I3)
+  none            ///< the path ends here
+};
+
+/// One light sample at `point`, weighted against its rival; its radiance is what the surface would reflect
+/// towards wo (local, unit). Nothing where no light can come of it. REQUIRES: the scene has lights; the surface
+/// is not purely specular.
 inline std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point,
-                                                     const Bsdf& bsdf, const V3f& wo, Sampler& sampler) {
+                                                     const Bsdf& bsdf, const V3f& wo, Rival rival,
+                                                     Sampler& sampler) {
   const LightSample light = scene.lights().sample(receiver_at(point, bsdf), sampler.next_2d());
   if (!(light.pdf_w > 0.0f) || is_black(light.radiance)) return std::nullopt;
   const V3f wi = point.shading.to_local(light.direction);
@@ -48,7 +55,7 @@ inline std::optional<Connection> sample_direct_light(const Scene& scene, const S
   const C3f scattered = eval(bsdf, wo, wi) * reached;
   if (is_black(scattered)) return std::nullopt;
   float weight = 1.0f / light.pdf_w;
-  if (!light.is_delta) {
+  if (!light.is_delta && rival == Rival::scattered_ray) {
     // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
     const float other = pdf_w(bsdf, wo, wi);
     weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;

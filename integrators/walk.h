@@ -69,9 +69,9 @@ class Walk {
 
   /// Samples the lights; what they send along the path is added when the shadow ray has been cast. REQUIRES:
   /// the surface is not purely specular.
-  void sample_lights() {
+  void sample_lights(Rival rival = Rival::scattered_ray) {
     if (scene_.lights().empty()) return;
-    connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, sample_.sampler);
+    connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, rival, sample_.sampler);
     if (connection_)
       connection_->radiance = clamped(connection_->radiance * carried_.throughput, edges_ + 1, limits_);
   }

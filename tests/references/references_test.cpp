@@ -54,7 +54,7 @@ Converged render_runs(const LoadedScene& loaded, int runs, int samples) {
   const Scene scene(loaded.scene);
   const FileSettings& settings = loaded.settings;
   const PathLimits limits{settings.max_depth, settings.rr_depth, settings.hide_emitters};
-  const auto integrator = make_integrator(IntegratorKind::path, scene, nullptr, limits);
+  const auto integrator = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, limits);
   const Camera camera(*loaded.scene.camera, settings.width, settings.height);
   std::vector<test::Estimate> estimates(static_cast<std::size_t>(settings.width * settings.height) * 3);
   for (int run = 0; run < runs; ++run) {
