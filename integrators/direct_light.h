@@ -33,11 +33,17 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
   return cosine * unperturbed > 0.0f ? soft_terminator(point.terminator, unperturbed) : 0.0f;
 }
 
-/// The light sample of the number u at `point`, weighted against the scattered ray; its radiance is what the
+/// Who else finds the lights that next-event estimation samples.
+enum class Rival : std::uint8_t {
+  scattered_ray,  ///< the path goes on: both are weighted (I3)
+  none            ///< the path ends here
+};
+
+/// The light sample of the number u at `point`, weighted against its rival; its radiance is what the
 /// surface would reflect against `direction` (world, unit), which led to it. REQUIRES: the scene has lights;
 /// the surface is not purely specular.
 inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
-                                      const V3f& direction, const V2f& u) {
+                                      const V3f& direction, Rival rival, const V2f& u) {
   const Connection nothing{{V3f(0.0f), V3f(0.0f)}, C3f(0.0f)};
   const LightSample light = scene.lights().sample(receiver_at(point, bsdf), u);
   if (!(light.pdf_w > 0.0f)) return nothing;
@@ -48,7 +54,7 @@ inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& po
     // Inside, because Lambert's model does not look at it.
     const V3f wo = point.shading.to_local(-direction);
     float weight = 1.0f / light.pdf_w;
-    if (!light.is_delta) {
+    if (!light.is_delta && rival == Rival::scattered_ray) {
       // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
       const float other = model.pdf_w(wo, wi);
       weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;

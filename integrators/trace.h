@@ -64,7 +64,7 @@ class Bundle {
     const auto leaving = std::span(leaving_).first(count);
     for (const std::uint8_t k : leaving) connect(vertices_[k], vertex_lanes_[k]);
     for (const std::uint8_t k : leaving)
-      if (vertices_[k].leave(rays_[live_])) lanes_[live_++] = vertex_lanes_[k];
+      if (vertices_[k].goes_on() && vertices_[k].leave(rays_[live_])) lanes_[live_++] = vertex_lanes_[k];
   }
 
   // The number of paths that have arrived at vertices where they may go on.

@@ -33,6 +33,7 @@ inline float survival_probability(float share) {
 /// What a path does at a vertex, after it has met the light there.
 enum class Step : std::uint8_t {
   end,
+  light,             ///< samples the lights, in full, and ends. REQUIRES: the surface is not purely specular
   scatter,           ///< goes on in a direction drawn from the scattering model
   light_and_scatter  ///< samples the lights and goes on. REQUIRES: the surface is not purely specular
 };
@@ -92,14 +93,17 @@ class Vertex {
 
   /// Draws the numbers that the step takes. REQUIRES: step is not `end`.
   void draw(Step step) {
-    samples_lights_ = step == Step::light_and_scatter && !scene_->lights().empty();
+    goes_on_ = step != Step::light;
+    samples_lights_ = step != Step::scatter && !scene_->lights().empty();
     if (samples_lights_) u_light_ = sample_->sampler.next_2d();
-    u_direction_ = sample_->sampler.next_2d();
+    if (goes_on_) u_direction_ = sample_->sampler.next_2d();
   }
+  [[nodiscard]] bool goes_on() const { return goes_on_; }
   [[nodiscard]] bool samples_lights() const { return samples_lights_; }
   /// The light sampled here, with what it sends along the path. REQUIRES: samples_lights().
   [[nodiscard]] Connection sample_lights() const {
-    Connection connection = sample_direct_light(*scene_, point_, *bsdf_, direction_, u_light_);
+    Connection connection = sample_direct_light(
+        *scene_, point_, *bsdf_, direction_, goes_on_ ? Rival::scattered_ray : Rival::none, u_light_);
     connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
     return connection;
   }
@@ -171,7 +175,7 @@ class Vertex {
   V3f direction_;  // of the edge that led here
   int edges_;
   float distance_;
-  bool samples_lights_;
+  bool samples_lights_, goes_on_;
   V2f u_light_, u_direction_;
   SurfacePoint point_;
   Bsdf resolved_;  // the model, where it varies over the surface; before bsdf_, which may point to it

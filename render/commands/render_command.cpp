@@ -155,6 +155,8 @@ std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& o
   const int max_reflections = max_reflections_of(settings);
   RadiosityOptions radiosity = options.radiosity.settle(settings.seed);
   radiosity.max_reflections = max_reflections;
+  if (settings.integrator == IntegratorKind::two_pass)
+    radiosity.gathered_pixels = static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
   const Stopwatch stopwatch;
   Solution solution = options.solution_file.empty()
                           ? solve_radiosity(scene, radiosity)
@@ -170,6 +172,26 @@ std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& o
                 statistics.radiosity_time.seconds);
   console.note(text);
   return solution;
+}
+
+// What the picture may look up instead of gathering. Its time and rays are part of pass one.
+std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* solution, const Settings& settings,
+                                           const Plan& plan, const Console& console,
+                                           RenderStatistics& statistics) {
+  if (!plan.indirect_field) return std::nullopt;
+  const Stopwatch stopwatch;
+  IndirectFieldOptions field_options;
+  field_options.seed = settings.seed;
+  IndirectField field(scene, *solution, field_options);
+  const Elapsed elapsed = stopwatch.elapsed();
+  statistics.radiosity_time.seconds += elapsed.seconds;
+  statistics.radiosity_time.cpu_seconds += elapsed.cpu_seconds;
+  statistics.radiosity->rays += field.rays();
+  char text[120];
+  std::snprintf(text, sizeof text, "indirect light: looked up on %.0f %% of the area, gathered elsewhere, %.2f s",
+                100.0 * field.trusted_share(), elapsed.seconds);
+  console.note(text);
+  return field;
 }
 
 ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
@@ -252,10 +274,14 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 
   const std::optional<Solution> solution = run_radiosity(scene, options, settings, plan, console, s);
 
+  const std::optional<IndirectField> field =
+      prepare_field(scene, solution ? &*solution : nullptr, settings, plan, console, s);
+
   stopwatch = Stopwatch();
   Film film(settings.window.size.x, settings.window.size.y);
   const std::unique_ptr<Integrator> integrator =
-      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, settings.limits);
+      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, field ? &*field : nullptr,
+                      settings.limits);
   const Camera camera(camera_description, settings.width, settings.height);
   const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
                                                           settings.goal.samples_per_pixel)
