@@ -94,9 +94,9 @@ class Gathering {
   }
 
  private:
-  // Not on spheres, which turn away from under the rays' normal, and not where everything is buried.
+  // Not on analytic surfaces, which turn away from under the rays' normal, and not where everything is buried.
   [[nodiscard]] bool can_gather_at(std::uint32_t face) const {
-    return !mesh_.is_sphere(mesh_.root(face).shape) && mesh_.area(face) > 0.0;
+    return !mesh_.is_analytic(mesh_.root(face).shape) && mesh_.area(face) > 0.0;
   }
   void add_ray(std::uint32_t face, std::uint32_t corner, Sampler& sampler, Gathered& sum,
                std::uint64_t& rays) const {
