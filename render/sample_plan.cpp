@@ -8,35 +8,57 @@ namespace twopass {
 
 namespace {
 
-constexpr int window_radius = 2;  // pixels
+constexpr double most_variance = 1e30;  // infinities would leave nothing for the others
 
-// The mean share of the pixels around one; of the pixel itself where there are no others.
-double share_around(const std::vector<double>& shares, int width, int height, int x, int y) {
-  double sum = 0.0;
-  int count = 0;
-  for (int j = std::max(y - window_radius, 0); j <= std::min(y + window_radius, height - 1); ++j)
-    for (int i = std::max(x - window_radius, 0); i <= std::min(x + window_radius, width - 1); ++i) {
-      if (i == x && j == y) continue;
-      sum +=
-          shares[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)];
-      ++count;
-    }
-  return count > 0 ? sum / count : shares.front();
-}
+// A pilot's pixels and their surroundings, row by row.
+class Surroundings {
+ public:
+  explicit Surroundings(const Film& pilot) : pilot_(pilot) {
+    for (int y = 0; y < pilot.height(); ++y)
+      for (int x = 0; x < pilot.width(); ++x) around_.push_back(pilot.around(x, y));
+  }
+  [[nodiscard]] double variance(int x, int y) const {
+    return std::min(pilot_.pixel(x, y).relative_variance(around(x, y)), most_variance);
+  }
+  // The mean root of the variances of the pixels around (x, y), as they are without it: nothing of the result
+  // depends on that pixel. 1 where there are no others.
+  [[nodiscard]] double share(int x, int y) const {
+    constexpr int radius = Film::around_radius;
+    const C3d own = pilot_.pixel(x, y).mean();
+    double sum = 0.0;
+    int count = 0;
+    for (int j = std::max(y - radius, 0); j <= std::min(y + radius, pilot_.height() - 1); ++j)
+      for (int i = std::max(x - radius, 0); i <= std::min(x + radius, pilot_.width() - 1); ++i) {
+        if (i == x && j == y) continue;
+        Around without = around(i, j);
+        without.sum -= own;
+        --without.count;
+        sum += std::sqrt(std::min(pilot_.pixel(i, j).relative_variance(without), most_variance));
+        ++count;
+      }
+    return count > 0 ? sum / count : 1.0;
+  }
+
+ private:
+  [[nodiscard]] const Around& around(int x, int y) const {
+    return around_[static_cast<std::size_t>(y) * static_cast<std::size_t>(pilot_.width()) +
+                   static_cast<std::size_t>(x)];
+  }
+  const Film& pilot_;
+  std::vector<Around> around_;
+};
 
 }  // namespace
 
 SampleShares::SampleShares(const Film& pilot)
     : pilot_samples_(static_cast<std::uint32_t>(pilot.pixel(0, 0).samples)) {
-  constexpr double most_variance = 1e30;  // infinities would leave nothing for the others
-  const int width = pilot.width(), height = pilot.height();
-  std::vector<double> variances = pilot.relative_variances(), roots, shares;
-  for (double& variance : variances) {
-    variance = std::min(variance, most_variance);
-    roots.push_back(std::sqrt(variance));
-  }
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) shares.push_back(share_around(roots, width, height, x, y));
+  const Surroundings surroundings(pilot);
+  std::vector<double> variances, shares;
+  for (int y = 0; y < pilot.height(); ++y)
+    for (int x = 0; x < pilot.width(); ++x) {
+      variances.push_back(surroundings.variance(x, y));
+      shares.push_back(surroundings.share(x, y));
+    }
   const double mean_share =
       std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
   // Between a sixteenth and sixteen times the mean: where the pilot saw no scatter there may be some, and

@@ -27,9 +27,9 @@ struct SampleRange {
 /// How much each pixel of a picture deserves, from a pilot of equally many samples of each. The mean of
 /// v_p / n_p over the pixels, v_p the relative variance of a sample, is least for a given sum of the n_p where
 /// n_p is proportional to sqrt(v_p) (Neyman 1934, section 3.3; Cauchy and Schwarz: never worse than equal
-/// n_p). sqrt(v_p) is the mean of those of the pixels around p, never of p itself: what a pixel has seen has no
-/// influence on how often it is sampled, so that its mean stays unbiased. (Only how long the whole picture is
-/// sampled depends on all pixels, as in every render to a goal of noise.)
+/// n_p). sqrt(v_p) is the mean of those of the pixels around p, never of p itself: what a
+/// pixel has seen has no influence on how often it is sampled, so that its mean stays unbiased. (Only how long
+/// the whole picture is sampled depends on all pixels, as in every render to a goal of noise.)
 class SampleShares {
  public:
   /// REQUIRES: every pixel of the pilot has had the same number of samples, in at least two batches.

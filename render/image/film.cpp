@@ -31,12 +31,21 @@ double FilmPixel::mean_alpha() const {
   return std::clamp((alpha - plain_alpha * (weight / n - 1.0)) / n, 0.0, 1.0);
 }
 
-double FilmPixel::relative_variance(const C3d& squared) const {
-  // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1).
+double FilmPixel::relative_variance(const Around& around) const {
+  const C3d at = mean();
   double total = 0.0;
-  for (int c = 0; c < 3; ++c) total += spread[c] / (squared[c] + relmse_epsilon);
+  for (int c = 0; c < 3; ++c) {
+    // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1).
+    const double variance = spread[c] / (batches - 1.0);
+    double believed = at[c];
+    if (around.count > 0) {
+      const double certain = at[c] - 2.0 * std::sqrt(variance / static_cast<double>(samples));
+      believed = std::min(believed, std::max(certain, around.sum[c] / around.count));
+    }
+    total += variance / (believed * believed + relmse_epsilon);
+  }
   // Radiances near the end of double's range could overflow to inf/inf.
-  return std::isnan(total) ? std::numeric_limits<double>::infinity() : total / (3.0 * (batches - 1.0));
+  return std::isnan(total) ? std::numeric_limits<double>::infinity() : total / 3.0;
 }
 
 void FilmPixel::merge(const FilmPixel& other) {
@@ -120,46 +129,30 @@ Image Film::resolve() const {
   return image;
 }
 
-std::vector<double> Film::relative_variances() const {
-  constexpr int radius = 2;  // pixels
-  std::vector<C3d> means;
-  for (const FilmPixel& pixel : pixels_) means.push_back(pixel.mean());
-  std::vector<double> variances(pixels_.size(), 0.0);
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x) {
-      const FilmPixel& at = pixel(x, y);
-      if (at.samples == 0) continue;
-      C3d around(0.0, 0.0, 0.0);
-      int count = 0;
-      for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height_ - 1); ++j)
-        for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width_ - 1); ++i) {
-          if ((i == x && j == y) || pixel(i, j).samples == 0) continue;
-          around += means[index(i, j)];
-          ++count;
-        }
-      C3d squared = per_channel_square(means[index(x, y)]);
-      if (count > 0) {
-        const C3d most = per_channel_square(around / static_cast<double>(count));
-        for (int c = 0; c < 3; ++c) squared[c] = std::min(squared[c], most[c]);
-      }
-      variances[index(x, y)] = at.relative_variance(squared);
+Around Film::around(int x, int y) const {
+  Around around;
+  for (int j = std::max(y - around_radius, 0); j <= std::min(y + around_radius, height_ - 1); ++j)
+    for (int i = std::max(x - around_radius, 0); i <= std::min(x + around_radius, width_ - 1); ++i) {
+      if ((i == x && j == y) || pixel(i, j).samples == 0) continue;
+      around.sum += pixel(i, j).mean();
+      ++around.count;
     }
-  return variances;
+  return around;
 }
 
 NoiseEstimate Film::noise() const {
   constexpr double unknown = std::numeric_limits<double>::infinity();
-  for (const FilmPixel& pixel : pixels_)
-    if (pixel.samples > 0 && pixel.batches < 2) return {unknown, 0.0};
-  const std::vector<double> variances = relative_variances();
   double sum = 0.0, squares = 0.0, sampled = 0.0;
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    if (pixels_[i].samples == 0) continue;
-    const double relmse = variances[i] / static_cast<double>(pixels_[i].samples);
-    sum += relmse;
-    squares += relmse * relmse;
-    sampled += 1.0;
-  }
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const FilmPixel& at = pixel(x, y);
+      if (at.samples == 0) continue;
+      if (at.batches < 2) return {unknown, 0.0};
+      const double relmse = at.relative_variance(around(x, y)) / static_cast<double>(at.samples);
+      sum += relmse;
+      squares += relmse * relmse;
+      sampled += 1.0;
+    }
   if (sampled == 0.0 || !std::isfinite(squares)) return {unknown, 0.0};
   const double mean = sum / sampled;
   return {mean, std::sqrt(std::max(0.0, squares / sampled - mean * mean) / sampled)};

@@ -11,6 +11,12 @@
 
 namespace twopass {
 
+/// Mean radiances of the pixels around one.
+struct Around {
+  C3d sum{0.0, 0.0, 0.0};
+  int count = 0;
+};
+
 /// What a pixel has received, from one batch of samples or from many.
 ///
 /// Weights are 1 on average but for kernels with negative lobes not always, and then a mean of weight *
@@ -34,10 +40,12 @@ struct FilmPixel {
   [[nodiscard]] C3d mean() const;
   /// Mean coverage, in [0, 1]; 0 without samples.
   [[nodiscard]] double mean_alpha() const;
-  /// Estimated variance of one sample over squared + 0.01, averaged over the channels, from the scatter of the
-  /// batches; with the square of the true radiance and divided by `samples` it is the expected relMSE of the
-  /// mean. Never NaN. REQUIRES: batches >= 2.
-  [[nodiscard]] double relative_variance(const C3d& squared) const;
+  /// Estimated variance of one sample over r^2 + 0.01 (S9), averaged over the channels, from the scatter of the
+  /// batches; divided by `samples` it is the expected relMSE of the mean. r is the pixel's mean radiance, but
+  /// only as far as it is certain (two standard errors below) or as the pixels around have it: a rare bright
+  /// sample raises the mean of its pixel together with the variance, and would hide itself. Never NaN.
+  /// REQUIRES: batches >= 2.
+  [[nodiscard]] double relative_variance(const Around& around) const;
   /// Adds what another set of batches found. Exact (Chan, Golub, LeVeque 1983) where weights are 1, `spread` a
   /// good estimate where not; order changes only rounding.
   void merge(const FilmPixel& other);
@@ -95,11 +103,9 @@ class Film {
   [[nodiscard]] NoiseEstimate noise() const;
   /// The root of the same relMSE.
   [[nodiscard]] double relative_error() const { return std::sqrt(noise().relmse); }
-  /// FilmPixel::relative_variance() of every pixel, row by row. The square of a pixel's own radiance is not
-  /// taken to be larger than that of the 5x5 pixels around it on average: a rare bright sample raises the mean
-  /// of its pixel together with the variance, and would hide itself. Zero without samples. REQUIRES: at least
-  /// two batches in every sampled pixel.
-  [[nodiscard]] std::vector<double> relative_variances() const;
+  /// The sampled pixels of the 5x5 around one, without itself.
+  [[nodiscard]] Around around(int x, int y) const;
+  static constexpr int around_radius = 2;
 
  private:
   [[nodiscard]] std::size_t index(int x, int y) const;

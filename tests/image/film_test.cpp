@@ -114,20 +114,27 @@ TEST(Film, ErrorEstimateOfRareBrightSamples) {
   EXPECT_LT(film.noise().standard_error / film.noise().relmse, 0.3);
 }
 
-// A bright column in black: the estimate may be too large at edges, never too small.
-TEST(Film, ErrorEstimateAtEdges) {
+// A bright column in black counts by its own radiance, less two standard errors: the surroundings do not make
+// its error larger than it is. A single bright pixel whose two batches disagree counts by the surroundings.
+TEST(Film, ErrorEstimateBelievesWhatIsCertain) {
   Film film(9, 9);
   for (int y = 0; y < 9; ++y)
     for (int x = 0; x < 9; ++x)
       for (const float change : {-0.1f, 0.1f}) {
         PixelBatch batch;
-        batch.add(C3f(x == 4 ? 1.0f + change : 0.0f));
+        batch.add(C3f(x == 4 ? 1.0f + change : x == 8 && y == 8 ? 1.0f + 10.0f * change : 0.0f));
         film.add_pixel(x, y, batch);
       }
-  // Variance of a sample .02; in the column the neighbours are 4 bright of 24, which is on the safe side.
-  const double around = 4.0 / 24.0;
-  EXPECT_NEAR(film.relative_variances()[4 * 9 + 4], 0.02 / (around * around + 0.01), 1e-6);
-  EXPECT_EQ(film.relative_variances()[4 * 9 + 3], 0.0);
+  // Variance of a sample .02, of the mean .01.
+  const auto relative_variance = [&](int x, int y) {
+    return film.pixel(x, y).relative_variance(film.around(x, y));
+  };
+  EXPECT_NEAR(relative_variance(4, 4), 0.02 / (0.8 * 0.8 + 0.01), 1e-6);
+  EXPECT_EQ(relative_variance(3, 4), 0.0);
+  EXPECT_NEAR(relative_variance(8, 8), 2.0 / 0.01, 1e-3);
+  EXPECT_NEAR(film.around(3, 4).sum.x, 5.0, 1e-6);
+  EXPECT_EQ(film.around(3, 4).count, 24);
+  EXPECT_EQ(Film(1, 1).around(0, 0).count, 0);
 }
 
 TEST(Film, MergingFilmsIsRenderingOn) {

@@ -167,6 +167,31 @@ TEST_P(LeakTest, PathsSeeNothing) {
   }
 }
 
+// A slit of a ten-thousandth of a room's width is reported, a room without one or with a window is not.
+TEST(Leaks, RaysThatEscapeAreCounted) {
+  const auto counts_of = [](float slit) {
+    SceneDescription scene = test::unit_room(C3f(0.9f), C3f(1.0f), C3f(0.9f));
+    std::get<Mesh>(scene.shapes[0].geometry) = test::quad(V3f(slit, 0, 0), V3f(1 - slit, 0, 0), V3f(0, 1, 0));
+    const Scene built(scene);
+    const PathTracer path(built, {.max_depth = 30});
+    RayCounts counts;
+    for (std::uint32_t i = 0; i < 20000; ++i) {
+      Sampler sampler(5, i, 0);
+      const V2f u = sampler.next_2d();
+      const Ray ray{V3f(0.5f), V3f(u.x - 0.5f, u.y - 0.5f, -0.5f).normalized()};
+      path.radiance(ray, sampler, counts);
+    }
+    return counts;
+  };
+  EXPECT_EQ(counts_of(0.0f).escaped_rays, 0u);
+  EXPECT_FALSE(may_have_cracks(counts_of(0.0f)));
+  const RayCounts cracked = counts_of(1e-4f), open = counts_of(0.1f);
+  EXPECT_GT(cracked.escaped_rays, 0u);
+  EXPECT_TRUE(may_have_cracks(cracked)) << cracked.escaped_rays << " of " << cracked.rays;
+  EXPECT_GT(open.escaped_rays, 100u);
+  EXPECT_FALSE(may_have_cracks(open));
+}
+
 INSTANTIATE_TEST_SUITE_P(Rooms, LeakTest, testing::ValuesIn(rooms),
                          [](const testing::TestParamInfo<Room>& room) { return room.param.name; });
 

@@ -55,6 +55,7 @@ TEST_P(TraceTest, BundlesOfAnySizeSeeWhatSingleRaysSee) {
       integrator->trace(std::span(bundled).subspan(first, std::min(size, bundled.size() - first)), counts);
     EXPECT_EQ(counts.rays, single_counts.rays);
     EXPECT_EQ(counts.shadow_rays, single_counts.shadow_rays);
+    EXPECT_EQ(counts.escaped_rays, single_counts.escaped_rays);
     for (std::size_t i = 0; i < start.size(); ++i) {
       ASSERT_EQ(bundled[i].seen.radiance, single[i].seen.radiance)
           << "sample " << i << " of bundles of " << size;
