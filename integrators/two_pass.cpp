@@ -20,16 +20,15 @@ bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
 }
 
 void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
-  trace_bundles(scene_, limits_, samples, counts, [this](Walk& walk) {
-    if (is_specular(walk.bsdf())) return walk.leave();
+  trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
+    if (is_specular(vertex.bsdf())) return Step::scatter;
     // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
-    if (walk.gathers() && std::holds_alternative<Diffuse>(walk.bsdf()) &&
-        resolves(walk.point(), walk.distance())) {
-      walk.add(reflected_radiance(walk.bsdf(), solution_->irradiance(walk.point())));
-      return false;
+    if (vertex.gathers() && std::holds_alternative<Diffuse>(vertex.bsdf()) &&
+        resolves(vertex.point(), vertex.distance())) {
+      vertex.add(reflected_radiance(vertex.bsdf(), solution_->irradiance(vertex.point())));
+      return Step::end;
     }
-    walk.sample_lights();
-    return walk.leave();
+    return Step::light_and_scatter;
   });
 }
 
