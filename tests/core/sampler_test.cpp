@@ -12,16 +12,6 @@
 namespace twopass {
 namespace {
 
-// Direction numbers of the second Sobol dimension from its recurrence: v_j = v_{j-1} xor (v_{j-1} >> 1).
-std::uint32_t sobol_dimension_1(std::uint32_t index) {
-  std::uint32_t v = 0x80000000u, result = 0;
-  for (int bit = 0; bit < 32; ++bit) {
-    if (index >> bit & 1) result ^= v;
-    v ^= v >> 1;
-  }
-  return result;
-}
-
 // Owen scrambling keeps what makes Sobol points good: of 2^m points, one lies in each elementary interval of
 // area 2^-m.
 TEST(Sampler, PairsAreZeroTwoSequencesForEverySeed) {
@@ -74,12 +64,6 @@ TEST(Sampler, OneNumberIsTheFirstOfAPair) {
   for (std::uint32_t i = 0; i < 100; ++i) {
     Sampler one(1, 2, i), two(1, 2, i);
     for (int pair = 0; pair < 4; ++pair) EXPECT_EQ(one.next_1d(), two.next_2d().x);
-  }
-}
-
-TEST(Sampler, SecondDimensionIsSobols) {
-  for (std::uint32_t i = 0; i < 100000; i += 7) {
-    ASSERT_EQ(reverse_bits(sobol_dimension_1_reversed(i)), sobol_dimension_1(i)) << i;
   }
 }
 

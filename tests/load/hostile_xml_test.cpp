@@ -57,9 +57,9 @@ TEST_F(HostileXml, AbsurdFilms) {
 
 // Every number of a file goes through one parser; no spelling of infinity or NaN gets past it.
 TEST_F(HostileXml, NumbersThatAreNoneAreErrors) {
-  for (const char* number :
+  for (const std::string number :
        {"nan", "NaN", "-nan", "inf", "-inf", "Infinity", "1e999", "-1e999", "0x10", "1,5", ""}) {
-    const std::string value = std::string("value='") + number + "'/>";
+    const std::string value = "value='" + number + "'/>";
     for (const std::string& body :
          {"<shape type='sphere'>\n<float name='radius' " + value + "</shape>",
           "<shape type='sphere'>\n<point name='center' x='0' y='0' z='" + number + "'/></shape>",

@@ -110,11 +110,10 @@ TEST_F(MitsubaEmitters, Projector) {
                                         "<string name='fov_axis' value='y'/></emitter>")
                   .tan_half_fov,
               2.0f, 1e-6f);
-  EXPECT_EQ(*light<twopass::Projector>(
-                "<emitter type='projector'><rgb name='irradiance' value='7'/><float name='fov' value='45'/>"
-                "</emitter>")
-                .texture,
-            Texture(C3f(7.0f)));
+  const auto even = light<twopass::Projector>(
+      "<emitter type='projector'><rgb name='irradiance' value='7'/><float name='fov' value='45'/></emitter>");
+  ASSERT_TRUE(is_constant(*even.texture));
+  EXPECT_EQ(mean_color(*even.texture), C3f(7.0f));
   expect_error([&] { read("<emitter type='projector'/>"); }, {"scene.xml:2: emitter 'projector' has no 'fov'"});
 }
 
