@@ -36,10 +36,11 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
 }
 
 /// One light sample at `point`, weighted against the scattered ray; its radiance is what the surface would
-/// reflect towards wo (local, unit). Nothing where no light can come of it. REQUIRES: the scene has lights; the
-/// surface is not purely specular.
-inline std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point,
-                                                     const Bsdf& bsdf, const V3f& wo, Sampler& sampler) {
+/// reflect towards wo (local, unit). `directions`: what the scattered ray is drawn from. Nothing where no light can
+/// come of it. REQUIRES: the scene has lights; the surface is not purely specular.
+template <class Directions>
+std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
+                                              const V3f& wo, const Directions& directions, Sampler& sampler) {
   const LightSample light = scene.lights().sample(receiver_at(point, bsdf), sampler.next_2d());
   if (!(light.pdf_w > 0.0f) || is_black(light.radiance)) return std::nullopt;
   const V3f wi = point.shading.to_local(light.direction);
@@ -50,7 +51,7 @@ inline std::optional<Connection> sample_direct_light(const Scene& scene, const S
   float weight = 1.0f / light.pdf_w;
   if (!light.is_delta) {
     // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-    const float other = pdf_w(bsdf, wo, wi);
+    const float other = directions.pdf_w(light.direction, wi);
     weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
   }
   return Connection{{spawn_position(point, light.direction), light.position},

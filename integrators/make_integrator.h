@@ -4,31 +4,36 @@
 #include <memory>
 
 #include "integrators/integrator.h"
-#include "radiosity/solution.h"
+#include "radiosity/guide.h"
 #include "render/core/names.h"
 
 namespace twopass {
 
-enum class IntegratorKind { two_pass, path, radiosity, direct };
+enum class IntegratorKind { two_pass, unbiased, path, radiosity, direct };
 
 inline constexpr Named<IntegratorKind> integrator_names[] = {
     {"twopass", IntegratorKind::two_pass},
+    {"unbiased", IntegratorKind::unbiased},
     {"path", IntegratorKind::path},
     {"radiosity", IntegratorKind::radiosity},
     {"direct", IntegratorKind::direct},
 };
 
+/// Whether the integrator draws directions from a guide.
+inline bool is_guided(IntegratorKind kind) { return kind == IntegratorKind::unbiased; }
+
 /// Whether the integrator reads a radiosity solution.
 inline bool reads_solution(IntegratorKind kind) {
-  return kind == IntegratorKind::two_pass || kind == IntegratorKind::radiosity;
+  return kind == IntegratorKind::two_pass || kind == IntegratorKind::unbiased || kind == IntegratorKind::radiosity;
 }
 
 /// Edges of the shortest path that ends with direct light held by the solution: a gather ray goes between the
 /// camera's ray and the look-up.
-inline int edges_to_solution(IntegratorKind kind) { return kind == IntegratorKind::two_pass ? 3 : 2; }
+inline int edges_to_solution(IntegratorKind kind) { return kind == IntegratorKind::radiosity ? 2 : 3; }
 
-/// REQUIRES: scene and solution outlive the integrator. `solution` may be null: the pass was skipped.
+/// REQUIRES: scene, solution and guide outlive the integrator. `solution` may be null: the pass was skipped; `guide`,
+/// too: directions are drawn without it.
 std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const PathLimits& limits);
+                                            const PathLimits& limits, const Guide* guide = nullptr);
 
 }  // namespace twopass

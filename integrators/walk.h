@@ -3,6 +3,7 @@
 
 #include "integrators/clamp.h"
 #include "integrators/direct_light.h"
+#include "integrators/guided_directions.h"
 
 namespace twopass {
 
@@ -17,6 +18,7 @@ struct Carried {
   bool gathers = false;        ///< its last direction but for mirrors and glass was drawn from a broad lobe
   int passed = 0;              ///< surfaces that it went straight through; no edge ends there
   float passed_length = 0.0f;  ///< from the last vertex to the last of them
+  float expected = 0.0f;       ///< what the sample is expected to see, W/(m2 sr); 0: not known (I12)
 };
 
 /// Lobes with less density than this, per steradian, count as broad: what they gather is blurred. Diffuse ones
@@ -69,16 +71,22 @@ class Walk {
 
   /// Samples the lights; what they send along the path is added when the shadow ray has been cast. REQUIRES:
   /// the surface is not purely specular.
-  void sample_lights() {
+  void sample_lights() { sample_lights(ScatteredDirections(*bsdf_, wo_)); }
+  /// The same where leave() draws from these directions.
+  template <class Directions>
+  void sample_lights(const Directions& directions) {
     if (scene_.lights().empty()) return;
-    connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, sample_.sampler);
+    connection_ = sample_direct_light(scene_, point_, *bsdf_, wo_, directions, sample_.sampler);
     if (connection_)
       connection_->radiance = clamped(connection_->radiance * carried_.throughput, edges_ + 1, limits_);
   }
 
   /// Draws the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
-  bool leave() {
-    const std::optional<BsdfSample> drawn = twopass::sample(*bsdf_, wo_, sample_.sampler.next_2d());
+  bool leave() { return leave(ScatteredDirections(*bsdf_, wo_)) && plays_roulette(); }
+  /// Draws the next direction from these. False: the path ends.
+  template <class Directions>
+  bool leave(const Directions& directions) {
+    const std::optional<BsdfSample> drawn = directions.sample(sample_.sampler.next_2d());
     if (!drawn) return false;
     const V3f direction = point_.shading.to_world(drawn->wi);
     const float reached = agreement_of_normals(point_, direction, drawn->wi.z);
@@ -93,8 +101,26 @@ class Walk {
       carried_.last_receiver = receiver_at(point_, *bsdf_);
     }
     next_ray_ = {spawn_position(point_, direction), direction};
-    return edges_ < limits_.rr_depth || survives();
+    return true;
   }
+  /// Russian roulette when the path is long (I4). False: the path ends.
+  bool plays_roulette() {
+    if (!is_long()) return true;
+    const float probability = survival();
+    if (sample_.sampler.next_1d() >= probability) return false;
+    scale(1.0f / probability);
+    return true;
+  }
+  /// Whether it is subject to roulette.
+  [[nodiscard]] bool is_long() const { return edges_ >= limits_.rr_depth; }
+  /// The probability with which it survives roulette. The square of the index of refraction undoes the compression of
+  /// radiance inside glass: it is no loss of importance.
+  [[nodiscard]] float survival() const {
+    const float ior = carried_.relative_ior;
+    return std::min(max_component(carried_.throughput) * ior * ior, 0.95f);
+  }
+  /// Of what the path will add.
+  void scale(float factor) { carried_.throughput *= factor; }
 
   /// There is nothing here but a mask's hole: light passes straight through.
   [[nodiscard]] bool is_hole() const { return std::holds_alternative<Null>(*bsdf_); }
@@ -107,6 +133,12 @@ class Walk {
 
   [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
+  /// Towards where the path came from, local, unit.
+  [[nodiscard]] const V3f& wo() const { return wo_; }
+  [[nodiscard]] const C3f& throughput() const { return carried_.throughput; }
+  [[nodiscard]] Sampler& sampler() { return sample_.sampler; }
+  /// What the sample is expected to see, W/(m2 sr): kept for the integrator, 0 at first.
+  [[nodiscard]] float& expected() { return carried_.expected; }
   /// Length of the edge that led to the present vertex.
   [[nodiscard]] float distance() const { return distance_; }
   /// Whether what is seen here is blurred by the lobe that led here, with or without mirrors and glass in
@@ -124,17 +156,6 @@ class Walk {
     if (carried_.last_was_specular) return 1.0f;
     const float light_pdf_w = scene_.lights().pdf_w(carried_.last_receiver, ray_.direction, distance_, point_);
     return power_heuristic(carried_.last_pdf_w, light_pdf_w);
-  }
-
-  // The square of the index of refraction undoes the compression of radiance inside glass: it is no loss of
-  // importance.
-  bool survives() {
-    C3f& throughput = carried_.throughput;
-    const float ior = carried_.relative_ior;
-    const float survival = std::min(max_component(throughput) * ior * ior, 0.95f);
-    if (sample_.sampler.next_1d() >= survival) return false;
-    throughput *= 1.0f / survival;
-    return true;
   }
 
   const Scene& scene_;

@@ -1,0 +1,67 @@
+// Ways of drawing the next direction of a path at a vertex, each with its density.
+#pragma once
+
+#include "radiosity/guide.h"
+
+namespace twopass {
+
+/// The scattering model's own.
+class ScatteredDirections {
+ public:
+  /// `wo`: local, unit. REQUIRES: the model outlives this.
+  ScatteredDirections(const Bsdf& bsdf, const V3f& wo) : bsdf_(bsdf), wo_(wo) {}
+  [[nodiscard]] std::optional<BsdfSample> sample(const V2f& u) const { return twopass::sample(bsdf_, wo_, u); }
+  /// Of a direction, in the world and local.
+  [[nodiscard]] float pdf_w(const V3f&, const V3f& wi) const { return twopass::pdf_w(bsdf_, wo_, wi); }
+
+ private:
+  const Bsdf& bsdf_;
+  V3f wo_;
+};
+
+/// With the probability `share` from a guide, else from the scattering model: one sample, weighed by the density of
+/// both together (I11), so that its weight stays bounded where the guide is wrong.
+class GuidedDirections {
+ public:
+  /// REQUIRES: model and shading frame outlive this; share 0 if the guide is empty.
+  GuidedDirections(const Bsdf& bsdf, const V3f& wo, const Frame& shading, const Guide::Lobe& guide, float share)
+      : bsdf_(bsdf), wo_(wo), shading_(shading), guide_(guide), share_(share) {}
+
+  [[nodiscard]] std::optional<BsdfSample> sample(V2f u) const {
+    if (share_ == 0.0f) return twopass::sample(bsdf_, wo_, u);
+    if (share_ == 1.0f || choose(u.x, share_)) {
+      const Guide::Lobe::Direction drawn = guide_.sample(u);
+      const V3f wi = shading_.to_local(drawn.direction);
+      const C3f scattered = eval(bsdf_, wo_, wi);
+      if (is_black(scattered)) return std::nullopt;
+      const float pdf = mixed(drawn.pdf_w, wi);
+      return BsdfSample{wi, scattered * (1.0f / pdf), pdf, 1.0f, false};
+    }
+    std::optional<BsdfSample> drawn = twopass::sample(bsdf_, wo_, u);
+    if (!drawn) return std::nullopt;
+    if (drawn->is_specular) {
+      drawn->weight *= 1.0f / (1.0f - share_);
+      return drawn;
+    }
+    const float own = drawn->pdf_w;
+    drawn->pdf_w = share_ * guide_.pdf_w(shading_.to_world(drawn->wi)) + (1.0f - share_) * own;
+    drawn->weight *= own / drawn->pdf_w;
+    return drawn;
+  }
+  [[nodiscard]] float pdf_w(const V3f& direction, const V3f& wi) const {
+    return share_ == 0.0f ? twopass::pdf_w(bsdf_, wo_, wi) : mixed(guide_.pdf_w(direction), wi);
+  }
+
+ private:
+  [[nodiscard]] float mixed(float of_guide, const V3f& wi) const {
+    return share_ == 1.0f ? of_guide : share_ * of_guide + (1.0f - share_) * twopass::pdf_w(bsdf_, wo_, wi);
+  }
+
+  const Bsdf& bsdf_;
+  V3f wo_;
+  const Frame& shading_;
+  Guide::Lobe guide_;
+  float share_;
+};
+
+}  // namespace twopass
