@@ -3,23 +3,26 @@
 #include "integrators/guided_directions.h"
 #include "integrators/look_up.h"
 #include "integrators/trace.h"
+#include <cstdlib>
 
 namespace twopass {
 
 namespace {
 
 // A path survives with the part of the picture's radiance that it is expected to bring, times this (I12).
-constexpr float window = 1.0f;
+float env(const char* n, float d) { const char* v = std::getenv(n); return v ? (float)std::atof(v) : d; }
+const float window = env("WINDOW", 1.0f);
 // Never less often than this, so that light of which the solution knows nothing is not too dear.
-constexpr float least_survival = 0.1f;
+const float least_survival = env("QMIN", 0.1f);
 // Of the directions of surfaces that do not reflect by the cosine alone.
-constexpr float guided_share = 0.5f;
+const float guided_share = env("SHARE", 0.5f);
+const float flat_share = env("FLAT", 1.0f);
 
 // The part of the directions that the guide draws. Under one flat normal the cosine that it knows is all there is.
 float share_of_guide(const Walk& walk, const Guide::Lobe& lobe) {
   if (lobe.empty()) return 0.0f;
   const bool is_flat = walk.point().shading.n == walk.point().geometric_normal;
-  if (std::holds_alternative<Diffuse>(walk.bsdf()) && is_flat) return 1.0f;
+  if (std::holds_alternative<Diffuse>(walk.bsdf()) && is_flat) return flat_share;
   return is_black(diffuse_reflectance(walk.bsdf())) ? 0.0f : guided_share;
 }
 

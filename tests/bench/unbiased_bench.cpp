@@ -88,7 +88,7 @@ void run(const std::string& file, const Settings& settings) {
       Film film(settings.size, settings.size);
       stopwatch = Stopwatch();
       const RenderOutcome outcome = render_image({*integrators[i], camera, box_filter(), {settings.samples, 0.0, 0.0},
-                                                  static_cast<std::uint32_t>(k + 1), SamplerKind::sobol, {}},
+                                                  static_cast<std::uint32_t>(k + 1) * 16 + static_cast<std::uint32_t>(i), SamplerKind::sobol, {}},
                                                  film);
       results[i].cpu_seconds += stopwatch.elapsed().cpu_seconds;
       results[i].rays += static_cast<double>(outcome.counts.rays + outcome.counts.shadow_rays);
