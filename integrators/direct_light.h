@@ -14,6 +14,20 @@ inline float power_heuristic(float own, float other) {
   return 1.0f / (1.0f + ratio * ratio);
 }
 
+/// The scattering model's own.
+class ScatteredDirections {
+ public:
+  /// `wo`: local, unit. REQUIRES: the model outlives this.
+  ScatteredDirections(const Bsdf& bsdf, const V3f& wo) : bsdf_(bsdf), wo_(wo) {}
+  [[nodiscard]] std::optional<BsdfSample> sample(const V2f& u) const { return twopass::sample(bsdf_, wo_, u); }
+  /// Of a direction, in the world and local.
+  [[nodiscard]] float pdf_w(const V3f&, const V3f& wi) const { return twopass::pdf_w(bsdf_, wo_, wi); }
+
+ private:
+  const Bsdf& bsdf_;
+  V3f wo_;
+};
+
 /// A light sample that waits for its shadow ray.
 struct Connection {
   Segment segment;  ///< from the surface to the light, clear of both

@@ -1,23 +1,9 @@
-// Ways of drawing the next direction of a path at a vertex, each with its density.
+// Drawing the next direction of a path from a guide and a scattering model together.
 #pragma once
 
 #include "radiosity/guide.h"
 
 namespace twopass {
-
-/// The scattering model's own.
-class ScatteredDirections {
- public:
-  /// `wo`: local, unit. REQUIRES: the model outlives this.
-  ScatteredDirections(const Bsdf& bsdf, const V3f& wo) : bsdf_(bsdf), wo_(wo) {}
-  [[nodiscard]] std::optional<BsdfSample> sample(const V2f& u) const { return twopass::sample(bsdf_, wo_, u); }
-  /// Of a direction, in the world and local.
-  [[nodiscard]] float pdf_w(const V3f&, const V3f& wi) const { return twopass::pdf_w(bsdf_, wo_, wi); }
-
- private:
-  const Bsdf& bsdf_;
-  V3f wo_;
-};
 
 /// With the probability `share` from a guide, else from the scattering model: one sample, weighed by the density of
 /// both together (I11), so that its weight stays bounded where the guide is wrong.

@@ -4,10 +4,12 @@
 #include <memory>
 
 #include "integrators/integrator.h"
-#include "radiosity/guide.h"
+#include "radiosity/solution.h"
 #include "render/core/names.h"
 
 namespace twopass {
+
+class Guide;
 
 enum class IntegratorKind { two_pass, unbiased, path, radiosity, direct };
 

@@ -26,12 +26,23 @@ float share_of_guide(const Walk& walk, const Guide::Lobe& lobe) {
   return is_black(diffuse_reflectance(walk.bsdf())) ? 0.0f : guided_share;
 }
 
+// The root mean square over the channels of what the path brings as a part of what is expected.
+float relative(const C3f& brings, const C3f& expected) {
+  float sum = 0.0f;
+  for (int c = 0; c < 3; ++c)
+    if (expected[c] > 0.0f) sum += (brings[c] / expected[c]) * (brings[c] / expected[c]);
+  return std::sqrt(sum * (1.0f / 3.0f));
+}
+
 // Ends the path with what the solution says that it would still find, or has it go on for the rest (I12). False: ended.
 bool settle(Walk& walk, const C3f& cached) {
-  const float brings = mean_component(walk.throughput() * cached);
-  float& expected = walk.expected();
-  float survival = expected > 0.0f ? std::clamp(window * brings / expected, least_survival, 1.0f) : 1.0f;
-  if (!(expected > 0.0f)) expected = brings;
+  const C3f brings = walk.throughput() * cached;
+  C3f& expected = walk.expected();
+  float survival = 1.0f;
+  if (is_black(expected))
+    expected = brings;
+  else
+    survival = std::clamp(window * relative(brings, expected), least_survival, 1.0f);
   if (walk.is_long()) survival = std::min(survival, walk.survival());
   if (survival >= 1.0f) return true;
   if (walk.sampler().next_1d() >= survival) {
@@ -58,7 +69,8 @@ bool Unbiased::at_vertex(Walk& walk) const {
   // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
   const bool is_known = returns_cached_ && element != no_index && std::holds_alternative<Diffuse>(walk.bsdf());
   if (is_known && !settle(walk, reflected_radiance(walk.bsdf(), solution_->irradiances()[element]))) return false;
-  const Guide::Lobe lobe = guide_ && element != no_index ? guide_->at(element, walk.point().geometric_normal) : Guide::Lobe();
+  static const bool gd = env("GD", 0) > 0;
+  const Guide::Lobe lobe = guide_ && element != no_index && (!gd || walk.is_early()) ? guide_->at(element, walk.point().geometric_normal) : Guide::Lobe();
   const GuidedDirections directions(walk.bsdf(), walk.wo(), walk.point().shading, lobe, share_of_guide(walk, lobe));
   walk.sample_lights(directions);
   return walk.leave(directions) && (is_known || walk.plays_roulette());

@@ -4,10 +4,11 @@
 #pragma once
 
 #include "integrators/integrator.h"
-#include "radiosity/guide.h"
+#include "radiosity/solution.h"
 
 namespace twopass {
 
+class Guide;
 class Walk;
 
 class Unbiased final : public Integrator {

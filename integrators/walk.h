@@ -3,7 +3,6 @@
 
 #include "integrators/clamp.h"
 #include "integrators/direct_light.h"
-#include "integrators/guided_directions.h"
 
 namespace twopass {
 
@@ -18,7 +17,7 @@ struct Carried {
   bool gathers = false;        ///< its last direction but for mirrors and glass was drawn from a broad lobe
   int passed = 0;              ///< surfaces that it went straight through; no edge ends there
   float passed_length = 0.0f;  ///< from the last vertex to the last of them
-  float expected = 0.0f;       ///< what the sample is expected to see, W/(m2 sr); 0: not known (I12)
+  C3f expected{0.0f};          ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
 };
 
 /// Lobes with less density than this, per steradian, count as broad: what they gather is blurred. Diffuse ones
@@ -119,6 +118,7 @@ class Walk {
     const float ior = carried_.relative_ior;
     return std::min(max_component(carried_.throughput) * ior * ior, 0.95f);
   }
+  [[nodiscard]] bool is_early() const { return edges_ <= 1; }
   /// Of what the path will add.
   void scale(float factor) { carried_.throughput *= factor; }
 
@@ -137,8 +137,8 @@ class Walk {
   [[nodiscard]] const V3f& wo() const { return wo_; }
   [[nodiscard]] const C3f& throughput() const { return carried_.throughput; }
   [[nodiscard]] Sampler& sampler() { return sample_.sampler; }
-  /// What the sample is expected to see, W/(m2 sr): kept for the integrator, 0 at first.
-  [[nodiscard]] float& expected() { return carried_.expected; }
+  /// What the sample is expected to see, W/(m2 sr): kept for the integrator, black at first.
+  [[nodiscard]] C3f& expected() { return carried_.expected; }
   /// Length of the edge that led to the present vertex.
   [[nodiscard]] float distance() const { return distance_; }
   /// Whether what is seen here is blurred by the lobe that led here, with or without mirrors and glass in

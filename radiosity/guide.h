@@ -26,9 +26,10 @@ struct GuideOptions {
 /// next-event estimation finds it. Const and thread-safe once built.
 class Guide {
  public:
-  static constexpr int bins = 12;  ///< along each edge of the square
+  static constexpr int rows = 12;     ///< of the square: rings of equal sin^2 of the angle with the normal
+  static constexpr int columns = 16;  ///< sectors around the normal
 
-  /// Casts rays_per_bin x bins^2 rays a cell. The same on any number of threads. REQUIRES: options in range.
+  /// Casts rays_per_bin x rows x columns rays a cell. The same on any number of threads. REQUIRES: options in range.
   Guide(const Scene& scene, const Solution& solution, const GuideOptions& options = {});
 
   /// The density at one point of a surface, of directions on its viewer's side. REQUIRES: the guide outlives it.
@@ -57,29 +58,41 @@ class Guide {
   /// The same where the element is known.
   [[nodiscard]] Lobe at(std::uint32_t element, const V3f& geometric_normal) const {
     Lobe lobe;
-    const std::uint32_t cell = cell_of_[element];
-    if (axis_[cell] == dark) return lobe;
-    lobe.cell_ = &cumulative_[std::size_t{cell} * stride];
-    lobe.frame_ = frame_around(geometric_normal, axis_[cell]);
+    const Place& place = place_[element];
+    if (place.sign == 0.0f) return lobe;
+    lobe.cell_ = &cumulative_[std::size_t{place.cell} * stride];
+    lobe.frame_ = frame_around(geometric_normal, place.sign);
     return lobe;
   }
 
-  [[nodiscard]] std::size_t cell_count() const { return axis_.size(); }
+  [[nodiscard]] std::size_t cell_count() const { return cumulative_.size() / stride; }
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  // A cell: the cumulative distribution of the rows, then that within each row, in units of 2^-16; both without the
-  // last entry, which is 1 (and 0 in 16 bits).
-  static constexpr int stride = bins + bins * bins;
-  static constexpr std::uint8_t dark = 3;  // instead of an axis: no light arrives
-  // Turns with the normal without a jump as long as that is nearest to the axis.
-  [[nodiscard]] static Frame frame_around(const V3f& normal, int axis);
+  // A cell: the cumulative distribution of the rows, then that within each row, in units of 2^-16. The last entry of
+  // each stands for 2^16.
+  static constexpr int stride = rows + rows * columns;
+  // Where an element belongs. All of a cell have one sign, so that their frames turn with the normal without a jump; 0:
+  // no light arrives.
+  struct Place {
+    std::uint32_t cell;
+    float sign;
+  };
+  // As Frame (Duff et al. 2017), but for a sign that does not hang on a vertical wall's rounding. REQUIRES: sign is that
+  // of normal.z where |normal.z| > 0.9.
+  [[nodiscard]] static Frame frame_around(const V3f& normal, float sign) {
+    Frame frame;
+    const float a = -1.0f / (sign + normal.z), b = normal.x * normal.y * a;
+    frame.s = V3f(1.0f + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+    frame.t = V3f(b, sign + normal.y * normal.y * a, -normal.y);
+    frame.n = normal;
+    return frame;
+  }
   class Builder;
 
   const ElementMesh* mesh_;
-  std::vector<std::uint32_t> cell_of_;  // by element
-  std::vector<std::uint8_t> axis_;      // by cell: the axis nearest to its normals
+  std::vector<Place> place_;  // by element
   std::vector<std::uint16_t> cumulative_;
   std::uint64_t rays_ = 0;
 };

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "integrators/make_integrator.h"
+#include "radiosity/guide.h"
 #include "render/image/compare.h"
 #include "render/load/load.h"
 #include "render/render_image.h"
@@ -15,7 +16,7 @@
 namespace twopass {
 namespace {
 
-constexpr IntegratorKind kinds[] = {IntegratorKind::path, IntegratorKind::unbiased, IntegratorKind::two_pass};
+constexpr IntegratorKind kinds[] = {IntegratorKind::path, IntegratorKind::unbiased, IntegratorKind::two_pass, IntegratorKind::direct};
 constexpr double goal = 1e-3, full_size = 512.0 * 512.0;
 
 struct Settings {
@@ -74,7 +75,8 @@ void run(const std::string& file, const Settings& settings) {
   const Solution solution = solve_radiosity(scene);
   const double radiosity = stopwatch.elapsed().cpu_seconds;
   stopwatch = Stopwatch();
-  const Guide guide(scene, solution);
+  const auto env=[](const char* n, float d) { const char* v = std::getenv(n); return v ? (float)std::atof(v) : d; };
+  const Guide guide(scene, solution, {.cell_size=env("CELL",.125f), .rays_per_bin=(int)env("RPB",4), .uniform_share=env("UNI",.2f)});
   const double guiding = stopwatch.elapsed().cpu_seconds;
   std::vector<std::unique_ptr<Integrator>> integrators;
   std::vector<Result> results(std::size(kinds));

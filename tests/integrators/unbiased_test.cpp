@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/path.h"
+#include "radiosity/guide.h"
 #include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 
