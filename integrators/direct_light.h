@@ -50,8 +50,8 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
 }
 
 /// One light sample at `point`, weighted against the scattered ray; its radiance is what the surface would
-/// reflect towards wo (local, unit). `directions`: what the scattered ray is drawn from. Nothing where no light can
-/// come of it. REQUIRES: the scene has lights; the surface is not purely specular.
+/// reflect towards wo (local, unit). `directions`: what the scattered ray is drawn from. Nothing where no light
+/// can come of it. REQUIRES: the scene has lights; the surface is not purely specular.
 template <class Directions>
 std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
                                               const V3f& wo, const Directions& directions, Sampler& sampler) {

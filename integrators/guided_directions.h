@@ -5,8 +5,8 @@
 
 namespace twopass {
 
-/// With the probability `share` from a guide, else from the scattering model: one sample, weighed by the density of
-/// both together (I11), so that its weight stays bounded where the guide is wrong.
+/// With the probability `share` from a guide, else from the scattering model: one sample, weighed by the
+/// density of both together (I11), so that its weight stays bounded where the guide is wrong.
 class GuidedDirections {
  public:
   /// REQUIRES: model and shading frame outlive this; share 0 if the guide is empty.

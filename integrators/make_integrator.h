@@ -14,10 +14,8 @@ class Guide;
 enum class IntegratorKind { two_pass, unbiased, path, radiosity, direct };
 
 inline constexpr Named<IntegratorKind> integrator_names[] = {
-    {"twopass", IntegratorKind::two_pass},
-    {"unbiased", IntegratorKind::unbiased},
-    {"path", IntegratorKind::path},
-    {"radiosity", IntegratorKind::radiosity},
+    {"twopass", IntegratorKind::two_pass}, {"unbiased", IntegratorKind::unbiased},
+    {"path", IntegratorKind::path},        {"radiosity", IntegratorKind::radiosity},
     {"direct", IntegratorKind::direct},
 };
 
@@ -26,15 +24,16 @@ inline bool is_guided(IntegratorKind kind) { return kind == IntegratorKind::unbi
 
 /// Whether the integrator reads a radiosity solution.
 inline bool reads_solution(IntegratorKind kind) {
-  return kind == IntegratorKind::two_pass || kind == IntegratorKind::unbiased || kind == IntegratorKind::radiosity;
+  return kind == IntegratorKind::two_pass || kind == IntegratorKind::unbiased ||
+         kind == IntegratorKind::radiosity;
 }
 
 /// Edges of the shortest path that ends with direct light held by the solution: a gather ray goes between the
 /// camera's ray and the look-up.
 inline int edges_to_solution(IntegratorKind kind) { return kind == IntegratorKind::radiosity ? 2 : 3; }
 
-/// REQUIRES: scene, solution and guide outlive the integrator. `solution` may be null: the pass was skipped; `guide`,
-/// too: directions are drawn without it.
+/// REQUIRES: scene, solution and guide outlive the integrator. `solution` may be null: the pass was skipped;
+/// `guide`, too: directions are drawn without it.
 std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
                                             const PathLimits& limits, const Guide* guide = nullptr);
 

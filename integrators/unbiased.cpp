@@ -3,26 +3,24 @@
 #include "integrators/guided_directions.h"
 #include "integrators/look_up.h"
 #include "integrators/trace.h"
-#include <cstdlib>
 
 namespace twopass {
 
 namespace {
 
 // A path survives with the part of the picture's radiance that it is expected to bring, times this (I12).
-float env(const char* n, float d) { const char* v = std::getenv(n); return v ? (float)std::atof(v) : d; }
-const float window = env("WINDOW", 1.0f);
+constexpr float window = 2.0f;
 // Never less often than this, so that light of which the solution knows nothing is not too dear.
-const float least_survival = env("QMIN", 0.1f);
+constexpr float least_survival = 0.1f;
 // Of the directions of surfaces that do not reflect by the cosine alone.
-const float guided_share = env("SHARE", 0.5f);
-const float flat_share = env("FLAT", 1.0f);
+constexpr float guided_share = 0.5f;
 
-// The part of the directions that the guide draws. Under one flat normal the cosine that it knows is all there is.
+// The part of the directions that the guide draws. Under one flat normal the cosine that it knows is all there
+// is.
 float share_of_guide(const Walk& walk, const Guide::Lobe& lobe) {
   if (lobe.empty()) return 0.0f;
   const bool is_flat = walk.point().shading.n == walk.point().geometric_normal;
-  if (std::holds_alternative<Diffuse>(walk.bsdf()) && is_flat) return flat_share;
+  if (std::holds_alternative<Diffuse>(walk.bsdf()) && is_flat) return 1.0f;
   return is_black(diffuse_reflectance(walk.bsdf())) ? 0.0f : guided_share;
 }
 
@@ -34,7 +32,8 @@ float relative(const C3f& brings, const C3f& expected) {
   return std::sqrt(sum * (1.0f / 3.0f));
 }
 
-// Ends the path with what the solution says that it would still find, or has it go on for the rest (I12). False: ended.
+// Ends the path with what the solution says that it would still find, or has it go on for the rest (I12).
+// False: ended.
 bool settle(Walk& walk, const C3f& cached) {
   const C3f brings = walk.throughput() * cached;
   C3f& expected = walk.expected();
@@ -59,7 +58,8 @@ bool settle(Walk& walk, const C3f& cached) {
 
 Unbiased::Unbiased(const Scene& scene, const Solution* solution, const Guide* guide, const PathLimits& limits)
     : scene_(scene), solution_(solution), guide_(guide), limits_(limits) {
-  const bool is_limited = limits.max_depth >= 0 || std::isfinite(limits.clamp_direct) || std::isfinite(limits.clamp_indirect);
+  const bool is_limited =
+      limits.max_depth >= 0 || std::isfinite(limits.clamp_direct) || std::isfinite(limits.clamp_indirect);
   returns_cached_ = solution != nullptr && !is_limited;
 }
 
@@ -68,10 +68,12 @@ bool Unbiased::at_vertex(Walk& walk) const {
   const std::uint32_t element = solution_ ? solution_->mesh().find(walk.point()) : no_index;
   // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
   const bool is_known = returns_cached_ && element != no_index && std::holds_alternative<Diffuse>(walk.bsdf());
-  if (is_known && !settle(walk, reflected_radiance(walk.bsdf(), solution_->irradiances()[element]))) return false;
-  static const bool gd = env("GD", 0) > 0;
-  const Guide::Lobe lobe = guide_ && element != no_index && (!gd || walk.is_early()) ? guide_->at(element, walk.point().geometric_normal) : Guide::Lobe();
-  const GuidedDirections directions(walk.bsdf(), walk.wo(), walk.point().shading, lobe, share_of_guide(walk, lobe));
+  if (is_known && !settle(walk, reflected_radiance(walk.bsdf(), solution_->irradiances()[element])))
+    return false;
+  const Guide::Lobe lobe =
+      guide_ && element != no_index ? guide_->at(element, walk.point().geometric_normal) : Guide::Lobe();
+  const GuidedDirections directions(walk.bsdf(), walk.wo(), walk.point().shading, lobe,
+                                    share_of_guide(walk, lobe));
   walk.sample_lights(directions);
   return walk.leave(directions) && (is_known || walk.plays_roulette());
 }

@@ -1,6 +1,6 @@
-// Path tracing that uses the radiosity solution without believing it: paths are guided to where the solution says that
-// light comes from, and are ended early at the price of what it says that they would have found. Whatever the solution
-// holds, the expectation is that of the path tracer.
+// Path tracing that uses the radiosity solution without believing it: paths are guided to where the solution
+// says that light comes from, and are ended early at the price of what it says that they would have found.
+// Whatever the solution holds, the expectation is that of the path tracer.
 #pragma once
 
 #include "integrators/integrator.h"
@@ -13,10 +13,10 @@ class Walk;
 
 class Unbiased final : public Integrator {
  public:
-  /// `solution` and `guide` may be null: then paths are ended as in the path tracer, and drawn as there. Limits on the
-  /// number of edges or on what a path may add have the paths ended as in the path tracer, too: the solution knows
-  /// nothing of them.
-  /// REQUIRES: scene, solution and guide outlive the integrator; the guide is of the solution.
+  /// `solution` and `guide` may be null: then paths are ended as in the path tracer, and drawn as there. Limits
+  /// on the number of edges or on what a path may add have the paths ended as in the path tracer, too: the
+  /// solution knows nothing of them. REQUIRES: scene, solution and guide outlive the integrator; the guide is
+  /// of the solution.
   Unbiased(const Scene& scene, const Solution* solution, const Guide* guide, const PathLimits& limits);
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 

@@ -112,13 +112,12 @@ class Walk {
   }
   /// Whether it is subject to roulette.
   [[nodiscard]] bool is_long() const { return edges_ >= limits_.rr_depth; }
-  /// The probability with which it survives roulette. The square of the index of refraction undoes the compression of
-  /// radiance inside glass: it is no loss of importance.
+  /// The probability with which it survives roulette. The square of the index of refraction undoes the
+  /// compression of radiance inside glass: it is no loss of importance.
   [[nodiscard]] float survival() const {
     const float ior = carried_.relative_ior;
     return std::min(max_component(carried_.throughput) * ior * ior, 0.95f);
   }
-  [[nodiscard]] bool is_early() const { return edges_ <= 1; }
   /// Of what the path will add.
   void scale(float factor) { carried_.throughput *= factor; }
 

@@ -7,7 +7,9 @@
 #include <numeric>
 
 #include "radiosity/specular_path.h"
+#include "render/core/distribution.h"
 #include "render/core/parallel.h"
+#include "render/core/sampler.h"
 #include "render/core/warp.h"
 
 namespace twopass {
@@ -23,7 +25,8 @@ template <int n>
 int find_bin(const std::uint16_t* cumulative, float x) {
   const auto at = static_cast<std::uint16_t>(x);
   std::uint16_t bin = 0;
-  for (int i = 0; i < n; ++i) bin += cumulative[i] <= at ? 1 : 0;  // in a few instructions, and none to mispredict
+  for (int i = 0; i < n; ++i)
+    bin += cumulative[i] <= at ? 1 : 0;  // in a few instructions, and none to mispredict
   return std::min<int>(bin, n - 1);
 }
 
@@ -120,7 +123,8 @@ float Guide::Lobe::pdf_w(const V3f& direction) const {
   const float sin2 = local.x * local.x + local.y * local.y;
   const int row = std::min(static_cast<int>(sin2 * static_cast<float>(rows)), rows - 1);
   const int column = sector_of(local.x, local.y);
-  return density(interval_of<rows>(cell_, row), interval_of<columns>(cell_ + rows + row * columns, column), local.z);
+  return density(interval_of<rows>(cell_, row), interval_of<columns>(cell_ + rows + row * columns, column),
+                 local.z);
 }
 
 std::size_t Guide::memory_bytes() const {
@@ -130,11 +134,7 @@ std::size_t Guide::memory_bytes() const {
 class Guide::Builder {
  public:
   Builder(const Scene& scene, const Solution& solution, const GuideOptions& options, Guide& guide)
-      : scene_(scene),
-        solution_(solution),
-        mesh_(solution.mesh()),
-        options_(options),
-        guide_(guide) {}
+      : scene_(scene), solution_(solution), mesh_(solution.mesh()), options_(options), guide_(guide) {}
 
   void build() {
     std::vector<ElementPoint> middle(mesh_.count());
@@ -153,14 +153,16 @@ class Guide::Builder {
     std::vector<Key> keys(middle.size());
     for (std::size_t e = 0; e < middle.size(); ++e) {
       const V3f normal(middle[e].normal), p = (V3f(middle[e].position) - scene_.bounds().min) * (1.0f / size);
-      const auto coordinate = [](float x) { return static_cast<std::uint64_t>(std::clamp(x, 0.0f, 2097151.0f)); };
-      keys[e] = {coordinate(p.x) << 42 | coordinate(p.y) << 21 | coordinate(p.z), facing_of(normal), normal.z < -0.5f};
+      const auto coordinate = [](float x) {
+        return static_cast<std::uint64_t>(std::clamp(x, 0.0f, 2097151.0f));
+      };
+      keys[e] = {coordinate(p.x) << 42 | coordinate(p.y) << 21 | coordinate(p.z), facing_of(normal),
+                 normal.z < -0.5f};
     }
     members_.resize(middle.size());
     std::iota(members_.begin(), members_.end(), 0u);
-    std::sort(members_.begin(), members_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-    });
+    std::sort(members_.begin(), members_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
     first_.clear();
     guide_.place_.resize(middle.size());
     for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -185,10 +187,11 @@ class Guide::Builder {
   }
 
   void fill_cell(std::uint32_t cell, std::uint64_t& rays) {
-    const std::span<const std::uint32_t> members(members_.data() + first_[cell], first_[cell + 1] - first_[cell]);
+    const std::span<const std::uint32_t> members(members_.data() + first_[cell],
+                                                 first_[cell + 1] - first_[cell]);
     const std::vector<C3f> radiance = radiances_at(cell, members, rays);
-    // The mean square of the radiance that arrives from each bin, each channel in units of its mean: what matters in a
-    // picture is relative (R40).
+    // The mean square of the radiance that arrives from each bin, each channel in units of its mean: what
+    // matters in a picture is relative (R40).
     C3d mean(0.0);
     for (const C3f& r : radiance) mean += C3d(r);
     if (is_black(C3f(mean))) {
@@ -223,8 +226,8 @@ class Guide::Builder {
     quantise<rows>(row.data(), cumulative);
   }
 
-  // What arrives at random points of the cell, rays_per_bin times from each bin. Of a point that lies under another
-  // surface: mostly nothing, which takes from all bins alike.
+  // What arrives at random points of the cell, rays_per_bin times from each bin. Of a point that lies under
+  // another surface: mostly nothing, which takes from all bins alike.
   std::vector<C3f> radiances_at(std::uint32_t cell, std::span<const std::uint32_t> members,
                                 std::uint64_t& rays) const {
     std::vector<double> areas;
@@ -242,8 +245,9 @@ class Guide::Builder {
         u.x = chosen.remapped;
         const ElementPoint start = mesh_.sample(members[chosen.index], u);
         const V2f in_bin = sampler.next_2d();
-        const V3f local = square_to_cosine_hemisphere({(static_cast<float>(bin / columns) + in_bin.x) / rows,
-                                                       (static_cast<float>(bin % columns) + in_bin.y) / columns});
+        const V3f local =
+            square_to_cosine_hemisphere({(static_cast<float>(bin / columns) + in_bin.x) / rows,
+                                         (static_cast<float>(bin % columns) + in_bin.y) / columns});
         const Frame frame = frame_around(V3f(start.normal), guide_.place_[members[0]].sign);
         gather.push_back({start.ray_position(), frame.to_world(local)});
       }
@@ -269,8 +273,7 @@ class Guide::Builder {
 
   [[nodiscard]] C3f reflected(std::uint32_t element) const {
     if (element == no_index) return C3f(0.0f);
-    const C3f radiance =
-        mesh_.reflectance(element) * solution_.irradiances()[element].total() * (1.0f / pi_f);
+    const C3f radiance = mesh_.reflectance(element) * solution_.irradiances()[element].total() * (1.0f / pi_f);
     return {std::max(radiance.x, 0.0f), std::max(radiance.y, 0.0f), std::max(radiance.z, 0.0f)};
   }
 
@@ -283,7 +286,8 @@ class Guide::Builder {
   std::vector<std::size_t> first_;      // by cell, into members_, and the end
 };
 
-Guide::Guide(const Scene& scene, const Solution& solution, const GuideOptions& options) : mesh_(&solution.mesh()) {
+Guide::Guide(const Scene& scene, const Solution& solution, const GuideOptions& options)
+    : mesh_(&solution.mesh()) {
   Builder(scene, solution, options, *this).build();
 }
 

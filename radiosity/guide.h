@@ -1,5 +1,5 @@
-// Where the light comes from, by the solution: densities of directions that gather rays and paths can be drawn from.
-// It knows no camera. It is never trusted: whoever draws from it divides by its density.
+// Where the light comes from, by the solution: densities of directions that gather rays and paths can be drawn
+// from. It knows no camera. It is never trusted: whoever draws from it divides by its density.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +11,30 @@ namespace twopass {
 
 struct GuideOptions {
   /// Edge of a cell over the largest edge of the scene's bounds.
-  float cell_size = 1.0f / 8.0f;
+  float cell_size = 0.1f;
   /// Cells are made larger until there are at most so many.
   std::size_t max_cells = 4096;
-  int rays_per_bin = 4;
+  int rays_per_bin = 12;
   /// Part of the density that is spread evenly, in (0, 1]: what the few rays have missed is found all the same.
-  float uniform_share = 0.2f;
+  float uniform_share = 0.1f;
   std::uint32_t seed = 0;
 };
 
-/// For each cell (the elements of one cube of space that face nearly the same way) a histogram of the radiance that
-/// arrives from surfaces, over the hemisphere as a square (R39): equal areas have equal cosine-weighted solid angle,
-/// so the densities are those of radiance times cosine. Light straight from emitters and sky is left out, for
-/// next-event estimation finds it. Const and thread-safe once built.
+/// For each cell (the elements of one cube of space that face nearly the same way) a histogram of the radiance
+/// that arrives from surfaces, over the hemisphere as a square (R39): equal areas have equal cosine-weighted
+/// solid angle, so the densities are those of radiance times cosine. Light straight from emitters and sky is
+/// left out, for next-event estimation finds it. Const and thread-safe once built.
 class Guide {
  public:
   static constexpr int rows = 12;     ///< of the square: rings of equal sin^2 of the angle with the normal
   static constexpr int columns = 16;  ///< sectors around the normal
 
-  /// Casts rays_per_bin x rows x columns rays a cell. The same on any number of threads. REQUIRES: options in range.
+  /// Casts rays_per_bin x rows x columns rays a cell. The same on any number of threads. REQUIRES: options in
+  /// range.
   Guide(const Scene& scene, const Solution& solution, const GuideOptions& options = {});
 
-  /// The density at one point of a surface, of directions on its viewer's side. REQUIRES: the guide outlives it.
+  /// The density at one point of a surface, of directions on its viewer's side. REQUIRES: the guide outlives
+  /// it.
   class Lobe {
    public:
     /// There is no guide here: nothing else may be called.
@@ -41,7 +43,8 @@ class Guide {
       V3f direction;  ///< unit, in the world
       float pdf_w;    ///< per steradian
     };
-    /// Monotone in each coordinate of u within rows of the histogram, so that stratified numbers stay stratified.
+    /// Monotone in each coordinate of u within rows of the histogram, so that stratified numbers stay
+    /// stratified.
     [[nodiscard]] Direction sample(const V2f& u) const;
     /// The density with which sample() draws a unit direction; 0 below the surface.
     [[nodiscard]] float pdf_w(const V3f& direction) const;
@@ -70,17 +73,17 @@ class Guide {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  // A cell: the cumulative distribution of the rows, then that within each row, in units of 2^-16. The last entry of
-  // each stands for 2^16.
+  // A cell: the cumulative distribution of the rows, then that within each row, in units of 2^-16. The last
+  // entry of each stands for 2^16.
   static constexpr int stride = rows + rows * columns;
-  // Where an element belongs. All of a cell have one sign, so that their frames turn with the normal without a jump; 0:
-  // no light arrives.
+  // Where an element belongs. All of a cell have one sign, so that their frames turn with the normal without a
+  // jump; 0: no light arrives.
   struct Place {
     std::uint32_t cell;
     float sign;
   };
-  // As Frame (Duff et al. 2017), but for a sign that does not hang on a vertical wall's rounding. REQUIRES: sign is that
-  // of normal.z where |normal.z| > 0.9.
+  // As Frame (Duff et al. 2017), but for a sign that does not hang on a vertical wall's rounding. REQUIRES:
+  // sign is that of normal.z where |normal.z| > 0.9.
   [[nodiscard]] static Frame frame_around(const V3f& normal, float sign) {
     Frame frame;
     const float a = -1.0f / (sign + normal.z), b = normal.x * normal.y * a;

@@ -36,8 +36,8 @@ double total(std::span<const PathSample> samples) {
   return sum;
 }
 
-// Samples [begin, end) of a batch. A batch is one sequence of Sobol points over picture and paths, scrambled by itself:
-// evenly spread, and independent of the other batches.
+// Samples [begin, end) of a batch. A batch is one sequence of Sobol points over picture and paths, scrambled by
+// itself: evenly spread, and independent of the other batches.
 Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, std::uint32_t end) {
   std::vector<PathSample> samples;
   for (std::uint32_t i = begin; i < end; ++i) {
@@ -56,7 +56,8 @@ Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, 
 }
 
 // The samples [begin, end) of every batch, added to what the batches have. False: interrupted.
-bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end, std::array<Sums, batches>& of_batch) {
+bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end,
+               std::array<Sums, batches>& of_batch) {
   constexpr auto grain = static_cast<std::uint32_t>(bundle_size);
   const std::uint32_t pieces = (end - begin + grain - 1) / grain;
   std::vector<Sums> of_piece(std::size_t{batches} * pieces);

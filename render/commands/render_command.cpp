@@ -152,11 +152,11 @@ constexpr double rays_of_guide = 1e6;
 constexpr double certificate_share = 0.05;
 
 // Measures the bias of a picture that reads a solution (I13).
-std::optional<Certificate> run_certificate(const Scene& scene, const Solution& solution, const Integrator& integrator,
-                                           const Guide* guide, const Camera& camera, const Settings& settings,
+std::optional<Certificate> run_certificate(const Scene& scene, const Solution& solution,
+                                           const Integrator& integrator, const Guide* guide,
+                                           const Camera& camera, const Settings& settings,
                                            const RenderOutcome& outcome) {
-  const double rays =
-      certificate_share * static_cast<double>(outcome.counts.rays + outcome.counts.shadow_rays);
+  const double rays = certificate_share * static_cast<double>(outcome.counts.rays + outcome.counts.shadow_rays);
   std::optional<Guide> own;
   if (!guide && rays > 2.0 * rays_of_guide) guide = &own.emplace(scene, solution);
   // What clamps do to the picture is part of its bias.
@@ -247,9 +247,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   Film film(settings.width, settings.height);
   std::optional<Guide> guide;
   if (solution && is_guided(settings.integrator)) guide.emplace(scene, *solution);
-  const std::unique_ptr<Integrator> integrator =
-      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, settings.limits,
-                      guide ? &*guide : nullptr);
+  const std::unique_ptr<Integrator> integrator = make_integrator(
+      settings.integrator, scene, solution ? &*solution : nullptr, settings.limits, guide ? &*guide : nullptr);
   const Camera camera(camera_description, settings.width, settings.height);
   {
     Progress progress(console, "rendering");
@@ -263,7 +262,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                              film);
   }
   if (solution && options.certificate && settings.integrator == IntegratorKind::two_pass)
-    s.bias = run_certificate(scene, *solution, *integrator, guide ? &*guide : nullptr, camera, settings, s.outcome);
+    s.bias =
+        run_certificate(scene, *solution, *integrator, guide ? &*guide : nullptr, camera, settings, s.outcome);
   s.render = stopwatch.elapsed();
 
   s.scene_file = options.scene.file;

@@ -1,8 +1,8 @@
-// Path tracing, and what the radiosity solution adds to it: relMSE times samples, CPU time and rays a sample, and the
-// CPU seconds to a relMSE of 1e-3 at 512x512, radiosity and guide included. The variance of a pixel is that between
-// independent renders; beside it the square of the difference of the means from the path tracer's, less what noise
-// explains: the bias. The renders take turns, so that whatever else the machine does hits all alike.
-// Usage: unbiased_bench [size [samples [renders [scene.xml ...]]]]
+// Path tracing, and what the radiosity solution adds to it: relMSE times samples, CPU time and rays a sample,
+// and the CPU seconds to a relMSE of 1e-3 at 512x512, radiosity and guide included. The variance of a pixel is
+// that between independent renders; beside it the square of the difference of the means from the path tracer's,
+// less what noise explains: the bias. The renders take turns, so that whatever else the machine does hits all
+// alike. Usage: unbiased_bench [size [samples [renders [scene.xml ...]]]]
 #include <cstdio>
 #include <cstdlib>
 
@@ -16,7 +16,7 @@
 namespace twopass {
 namespace {
 
-constexpr IntegratorKind kinds[] = {IntegratorKind::path, IntegratorKind::unbiased, IntegratorKind::two_pass, IntegratorKind::direct};
+constexpr IntegratorKind kinds[] = {IntegratorKind::path, IntegratorKind::unbiased, IntegratorKind::two_pass};
 constexpr double goal = 1e-3, full_size = 512.0 * 512.0;
 
 struct Settings {
@@ -32,11 +32,11 @@ struct Result {
 // The mean of the renders, the relative variance of one of them, and the mean of all pixels.
 struct Summary {
   Image mean;
-  double relmse = 0.0, level = 0.0;
+  double relmse = 0.0, level = 0.0, level_error = 0.0;
 };
 
 Summary summarise(const std::vector<Image>& images) {
-  Summary s{images[0], 0.0, 0.0};
+  Summary s{images[0]};
   const auto n = static_cast<double>(images.size());
   for (int y = 0; y < s.mean.height; ++y)
     for (int x = 0; x < s.mean.width; ++x)
@@ -51,6 +51,14 @@ Summary summarise(const std::vector<Image>& images) {
       }
   s.relmse /= 3.0 * s.mean.width * s.mean.height;
   s.level /= 3.0 * s.mean.width * s.mean.height;
+  for (const Image& image : images) {
+    double level = 0.0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 3; ++c) level += image.at(x, y, c);
+    s.level_error += std::pow(level / (3.0 * image.width * image.height) - s.level, 2.0);
+  }
+  s.level_error = std::sqrt(s.level_error / (n - 1) / n);
   return s;
 }
 
@@ -75,32 +83,39 @@ void run(const std::string& file, const Settings& settings) {
   const Solution solution = solve_radiosity(scene);
   const double radiosity = stopwatch.elapsed().cpu_seconds;
   stopwatch = Stopwatch();
-  const auto env=[](const char* n, float d) { const char* v = std::getenv(n); return v ? (float)std::atof(v) : d; };
-  const Guide guide(scene, solution, {.cell_size=env("CELL",.125f), .rays_per_bin=(int)env("RPB",4), .uniform_share=env("UNI",.2f)});
+  const Guide guide(scene, solution);
   const double guiding = stopwatch.elapsed().cpu_seconds;
   std::vector<std::unique_ptr<Integrator>> integrators;
   std::vector<Result> results(std::size(kinds));
   for (std::size_t i = 0; i < results.size(); ++i) {
-    integrators.push_back(make_integrator(kinds[i], scene, reads_solution(kinds[i]) ? &solution : nullptr, limits,
-                                          is_guided(kinds[i]) ? &guide : nullptr));
+    integrators.push_back(make_integrator(kinds[i], scene, reads_solution(kinds[i]) ? &solution : nullptr,
+                                          limits, is_guided(kinds[i]) ? &guide : nullptr));
     results[i].before = (reads_solution(kinds[i]) ? radiosity : 0.0) + (is_guided(kinds[i]) ? guiding : 0.0);
   }
   for (int k = 0; k < settings.renders; ++k)
     for (std::size_t i = 0; i < results.size(); ++i) {
       Film film(settings.size, settings.size);
       stopwatch = Stopwatch();
-      const RenderOutcome outcome = render_image({*integrators[i], camera, box_filter(), {settings.samples, 0.0, 0.0},
-                                                  static_cast<std::uint32_t>(k + 1) * 16 + static_cast<std::uint32_t>(i), SamplerKind::sobol, {}},
-                                                 film);
+      const RenderOutcome outcome =
+          render_image({*integrators[i],
+                        camera,
+                        box_filter(),
+                        {settings.samples, 0.0, 0.0},
+                        static_cast<std::uint32_t>(k + 1) * 16 + static_cast<std::uint32_t>(i),
+                        SamplerKind::sobol,
+                        {}},
+                       film);
       results[i].cpu_seconds += stopwatch.elapsed().cpu_seconds;
       results[i].rays += static_cast<double>(outcome.counts.rays + outcome.counts.shadow_rays);
       results[i].images.push_back(film.resolve());
     }
-  std::printf("%s: radiosity %.2f CPU s, guide %.2f CPU s (%zu cells, %.2g rays, %zu KB)\n", file.c_str(), radiosity,
-              guiding, guide.cell_count(), static_cast<double>(guide.rays()), guide.memory_bytes() / 1024);
-  std::printf("%-10s %10s %9s %9s %10s %10s %9s %9s %9s\n", "integrator", "relMSE*spp", "us", "rays", "energy",
-              "bias^2", "CPU s", "faster", "by rays");
-  const double samples = static_cast<double>(settings.size) * settings.size * settings.samples * settings.renders;
+  std::printf("%s: radiosity %.2f CPU s, guide %.2f CPU s (%zu cells, %.2g rays, %zu KB)\n", file.c_str(),
+              radiosity, guiding, guide.cell_count(), static_cast<double>(guide.rays()),
+              guide.memory_bytes() / 1024);
+  std::printf("%-10s %10s %9s %9s %8s %8s %10s %9s %9s %9s\n", "integrator", "relMSE*spp", "us", "rays",
+              "energy", "+-", "bias^2", "CPU s", "faster", "by rays");
+  const double samples =
+      static_cast<double>(settings.size) * settings.size * settings.samples * settings.renders;
   const Summary truth = summarise(results[0].images);
   double truth_seconds = 0.0, truth_rays = 0.0;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -111,9 +126,10 @@ void run(const std::string& file, const Settings& settings) {
     const double v = s.relmse * settings.samples, rays = v * r.rays / samples;
     const double seconds = r.before + v / goal * full_size * r.cpu_seconds / samples;
     if (i == 0) truth_seconds = seconds, truth_rays = rays;
-    std::printf("%-10s %10.4g %9.3f %9.2f %10.4f %10.2g %9.2f %9.2f %9.2f\n",
+    std::printf("%-10s %10.4g %9.3f %9.2f %8.4f %8.4f %10.2g %9.2f %9.2f %9.2f\n",
                 std::string(name_of_value<IntegratorKind>(integrator_names, kinds[i])).c_str(), v,
-                1e6 * r.cpu_seconds / samples, r.rays / samples, s.level / truth.level, bias, seconds,
+                1e6 * r.cpu_seconds / samples, r.rays / samples, s.level / truth.level,
+                std::hypot(s.level_error, i == 0 ? 0.0 : truth.level_error) / truth.level, bias, seconds,
                 truth_seconds / seconds, truth_rays / rays);
   }
 }
@@ -129,7 +145,7 @@ int main(int argc, char** argv) {
   if (argc > 3) settings.renders = std::atoi(argv[3]);
   std::vector<std::string> files(argv + std::min(argc, 4), argv + argc);
   if (files.empty())
-    for (const char* name : {"cornell-box", "cove", "hidden", "cornell-box-specular"})
+    for (const char* name : {"cornell-box", "cove", "hidden", "cornell-box-specular", "door-ajar"})
       files.push_back(std::string(TWOPASS_SOURCE_DIR "/scenes/") + name + "/scene.xml");
   for (const std::string& file : files) run(file, settings);
 }

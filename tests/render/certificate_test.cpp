@@ -29,8 +29,8 @@ struct CoarseRoom {
   }
   static SceneDescription description() {
     SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.7f));
-    test::add_diffuse(scene, "lamp", test::quad(V3f(0.4f, 0.4f, 0.8f), V3f(0.2f, 0, 0), V3f(0, 0.2f, 0)), C3f(0.5f),
-                      C3f(10.0f));
+    test::add_diffuse(scene, "lamp", test::quad(V3f(0.4f, 0.4f, 0.8f), V3f(0.2f, 0, 0), V3f(0, 0.2f, 0)),
+                      C3f(0.5f), C3f(10.0f));
     return scene;
   }
   static RadiosityOptions coarse() {
@@ -49,7 +49,8 @@ struct CoarseRoom {
             .most_rays = most_rays};
   }
   // The mean over the picture, from batches of Sobol points over picture and paths.
-  [[nodiscard]] test::Estimate mean(const Integrator& integrator, std::uint32_t seed, std::uint32_t samples) const {
+  [[nodiscard]] test::Estimate mean(const Integrator& integrator, std::uint32_t seed,
+                                    std::uint32_t samples) const {
     constexpr std::uint32_t batches = 32;
     test::Estimate estimate;
     RayCounts counts;
@@ -71,9 +72,11 @@ struct CoarseRoom {
 
 TEST(Certificate, ItsIntervalHoldsTheBiasAsOftenAsItSays) {
   const CoarseRoom room;
-  const test::Estimate biased = room.mean(*room.two_pass, 101, 1 << 18), truth = room.mean(*room.path, 102, 1 << 20);
+  const test::Estimate biased = room.mean(*room.two_pass, 101, 1 << 18),
+                       truth = room.mean(*room.path, 102, 1 << 20);
   const double bias = biased.mean() / truth.mean() - 1.0;
-  const double error = std::hypot(biased.standard_error() / biased.mean(), truth.standard_error() / truth.mean());
+  const double error =
+      std::hypot(biased.standard_error() / biased.mean(), truth.standard_error() / truth.mean());
   constexpr int seeds = 100;
   int held = 0;
   double widths = 0.0;
@@ -87,7 +90,8 @@ TEST(Certificate, ItsIntervalHoldsTheBiasAsOftenAsItSays) {
   // The bias is there, and certificates tell it from none; the reference is good enough to judge them by.
   EXPECT_GT(std::abs(bias), widths);
   EXPECT_LT(error, 0.15 * widths);
-  // Of 100 intervals of 95 %: fewer than 87, or all, would be by chance once in 170 times 1, and 87 to 99 are not.
+  // Of 100 intervals of 95 %: fewer than 87, or all, would be by chance once in 170 times 1, and 87 to 99 are
+  // not.
   EXPECT_GE(held, 87) << "bias " << bias << " +- " << error << ", mean half width " << widths;
   RecordProperty("held", held);
 }
@@ -134,7 +138,8 @@ TEST(Certificate, ThereIsNoneOfABlackPictureOrAfterAnInterrupt) {
   const Scene scene(std::move(dark));
   const auto path = make_integrator(IntegratorKind::path, scene, nullptr, {});
   const Camera camera(view, width, height);
-  EXPECT_FALSE(certify({.biased = *path, .unbiased = *path, .camera = camera, .width = width, .height = height}));
+  EXPECT_FALSE(
+      certify({.biased = *path, .unbiased = *path, .camera = camera, .width = width, .height = height}));
   const CoarseRoom room;
   interrupt_requested() = true;
   const auto interrupted = certify(room.job(*room.two_pass, 1));

@@ -33,8 +33,10 @@ TEST(Plan, EveryReasonToSkipIsGiven) {
       {plan(lit, IntegratorKind::direct), "the integrator does not read it"},
       {plan(dark, IntegratorKind::two_pass), "the scene has no light"},
       {plan(black, IntegratorKind::two_pass), "no surface reflects diffusely"},
-      {plan(masked, IntegratorKind::two_pass), "light passes through masks, which the solution takes for opaque"},
-      {plan(masked, IntegratorKind::unbiased), "light passes through masks, which the solution takes for opaque"},
+      {plan(masked, IntegratorKind::two_pass),
+       "light passes through masks, which the solution takes for opaque"},
+      {plan(masked, IntegratorKind::unbiased),
+       "light passes through masks, which the solution takes for opaque"},
       {plan(lit, IntegratorKind::unbiased, 2), "paths are too short to read it"},
       {plan(lit, IntegratorKind::two_pass, 2), "paths are too short to read it"},
   };
