@@ -11,9 +11,18 @@ namespace twopass {
 
 /// What rendering has cost so far; each thread has its own.
 struct RayCounts {
-  std::uint64_t rays = 0;         ///< nearest-hit queries
-  std::uint64_t shadow_rays = 0;  ///< visibility queries
+  std::uint64_t rays = 0;          ///< nearest-hit queries
+  std::uint64_t shadow_rays = 0;   ///< visibility queries
+  std::uint64_t escaped_rays = 0;  ///< nearest-hit queries that met nothing
 };
+
+/// Whether so few of the rays escaped that they may have found cracks between surfaces that were meant to be
+/// closed. Openings that anyone would make on purpose let more rays out.
+inline bool may_have_cracks(const RayCounts& counts) {
+  constexpr double most_through_cracks = 1e-4;
+  return counts.escaped_rays > 0 &&
+         static_cast<double>(counts.escaped_rays) < most_through_cracks * static_cast<double>(counts.rays);
+}
 
 /// What one camera ray sees.
 struct Seen {

@@ -26,7 +26,7 @@ class Bundle {
     for (int edges = 1; live_ > 0; ++edges) {
       counts.rays += live_;
       scene_.caster().intersect({rays_.data(), live_}, hits_, kind_of_edge(edges));
-      move(limits, edges, at_vertex);
+      counts.escaped_rays += move(limits, edges, at_vertex);
       counts.shadow_rays += connected_;
       add_unoccluded();
     }
@@ -36,13 +36,16 @@ class Bundle {
   // Camera rays are alike; what they meet scatters them.
   static Rays kind_of_edge(int edges) { return edges == 1 ? Rays::coherent : Rays::scattered; }
   // Takes every live path through the vertex at the end of its edge; those that go on move up in the arrays.
+  // The number of paths that escaped.
   template <class AtVertex>
-  void move(const PathLimits& limits, int edges, const AtVertex& at_vertex) {
+  std::size_t move(const PathLimits& limits, int edges, const AtVertex& at_vertex) {
     const std::size_t arriving = live_;
+    std::size_t escaped = 0;
     live_ = connected_ = 0;
     for (std::size_t i = 0; i < arriving; ++i) {
       const std::uint8_t lane = lanes_[i];
       if (hits_[i].escaped()) {
+        ++escaped;
         escape(scene_, limits, samples_[lane], carried_[lane], rays_[i], edges);
         continue;
       }
@@ -65,6 +68,7 @@ class Bundle {
       rays_[live_] = walk.next_ray();
       ++live_;
     }
+    return escaped;
   }
 
   void add_unoccluded() {

@@ -116,7 +116,7 @@ class Walk {
   /// compression of radiance inside glass: it is no loss of importance.
   [[nodiscard]] float survival() const {
     const float ior = carried_.relative_ior;
-    return std::min(max_component(carried_.throughput) * ior * ior, 0.95f);
+    return std::min(max_component(carried_.throughput) * ior * ior / least_share, 0.95f);
   }
   /// Of what the path will add.
   void scale(float factor) { carried_.throughput *= factor; }
@@ -156,6 +156,10 @@ class Walk {
     const float light_pdf_w = scene_.lights().pdf_w(carried_.last_receiver, ray_.direction, distance_, point_);
     return power_heuristic(carried_.last_pdf_w, light_pdf_w);
   }
+
+  // Paths play that carry less than this share of their importance, and carry it again if they survive. Playing
+  // already below 1 saves few rays for much variance (I4).
+  static constexpr float least_share = 0.25f;
 
   const Scene& scene_;
   const PathLimits& limits_;

@@ -1,5 +1,7 @@
 #include "radiosity/scene_fingerprint.h"
 
+#include <unordered_map>
+
 #include "render/scene/data_hash.h"
 
 namespace twopass {
@@ -23,6 +25,14 @@ void add_model(DataHash& hash, const Bsdf& bsdf) {
 void add_uv_transform(DataHash& hash, const UvTransform& m) {
   for (const float x : {m.a, m.b, m.c, m.d, m.e, m.f}) hash.add(x);
 }
+void add_scale(DataHash& hash, const std::optional<TexelScale>& scale) {
+  hash.add(std::uint64_t{scale.has_value()});
+  if (!scale) return;
+  hash.add(scale->factor);
+  hash.add(scale->offset);
+  hash.add(scale->lowest);
+  hash.add(scale->highest);
+}
 void add_texture_kind(DataHash& hash, const C3f& color) { hash.add(color); }
 void add_texture_kind(DataHash& hash, const Checkerboard& checkerboard) {
   hash.add(checkerboard.color0);
@@ -31,10 +41,17 @@ void add_texture_kind(DataHash& hash, const Checkerboard& checkerboard) {
 }
 void add_texture_kind(DataHash& hash, const Bitmap& bitmap) {
   hash.add(static_cast<std::uint64_t>(bitmap.filter));
-  hash.add(static_cast<std::uint64_t>(bitmap.wrap));
+  hash.add(static_cast<std::uint64_t>(bitmap.wrap_u) << 32 | static_cast<std::uint64_t>(bitmap.wrap_v));
   add_uv_transform(hash, bitmap.to_uv);
-  hash.add(std::uint64_t(bitmap.image->width) << 32 | std::uint64_t(bitmap.image->height));
-  for (const float x : bitmap.image->pixels) hash.add(x);
+  hash.add(bitmap.image->content_hash());
+  add_scale(hash, bitmap.scale);
+}
+void add_texture_kind(DataHash& hash, const MeshColors& colors) {
+  add_scale(hash, colors.scale);
+  hash.add(std::uint64_t{colors.values ? colors.values->corners.size() : 0});
+  if (!colors.values) return;
+  for (const std::array<C3f, 3>& triangle : colors.values->corners)
+    for (const C3f& color : triangle) hash.add(color);
 }
 void add_texture(DataHash& hash, const Texture& texture) {
   hash.add(std::uint64_t{texture.index()});
@@ -82,7 +99,10 @@ void add_side(DataHash& hash, const MaterialSide& side) {
     add_node(hash, *side.node());
 }
 
-void add_geometry(DataHash& hash, const Mesh& mesh) {
+// Meshes that instances share, each hashed once.
+using KnownMeshes = std::unordered_map<const Mesh*, std::uint64_t>;
+
+void add_geometry(DataHash& hash, const Mesh& mesh, KnownMeshes&) {
   hash.add(std::uint64_t{mesh.positions.size()});
   for (const V3f& p : mesh.positions) hash.add(p);
   hash.add(std::uint64_t{mesh.normals.size()});
@@ -95,21 +115,44 @@ void add_geometry(DataHash& hash, const Mesh& mesh) {
   hash.add(std::uint64_t{mesh.triangles.size()});
   for (const V3u& t : mesh.triangles) hash.add(t);
 }
-void add_geometry(DataHash& hash, const Sphere& sphere) {
+void add_geometry(DataHash& hash, const Sphere& sphere, KnownMeshes&) {
   hash.add(sphere.center);
   hash.add(sphere.radius);
   hash.add(std::uint64_t{sphere.inward});
   for (const V3f& axis : sphere.axes) hash.add(axis);
+}
+void add_geometry(DataHash& hash, const Disk& disk, KnownMeshes&) {
+  for (const V3f& v : {disk.center, disk.x, disk.y}) hash.add(v);
+  hash.add(std::uint64_t{disk.reversed});
+}
+void add_geometry(DataHash& hash, const Cylinder& cylinder, KnownMeshes&) {
+  hash.add(cylinder.base);
+  hash.add(cylinder.radius);
+  hash.add(cylinder.length);
+  hash.add(std::uint64_t{cylinder.inward});
+  for (const V3f& axis : cylinder.axes) hash.add(axis);
+}
+void add_geometry(DataHash& hash, const MeshInstance& instance, KnownMeshes& known) {
+  const auto [entry, is_new] = known.try_emplace(instance.mesh.get(), 0);
+  if (is_new) {
+    DataHash own;
+    add_geometry(own, *instance.mesh, known);
+    entry->second = own.value();
+  }
+  hash.add(entry->second);
+  const Placement& p = instance.to_world;
+  for (const V3f& v : {p.x, p.y, p.z, p.origin}) hash.add(v);
 }
 
 }  // namespace
 
 std::uint64_t scene_fingerprint(const Scene& scene) {
   DataHash hash;
+  KnownMeshes known;
   hash.add(std::uint64_t{scene.shapes().size()});
   for (const Shape& shape : scene.shapes()) {
     hash.add(std::uint64_t{shape.geometry.index()});
-    std::visit([&](const auto& geometry) { add_geometry(hash, geometry); }, shape.geometry);
+    std::visit([&](const auto& geometry) { add_geometry(hash, geometry, known); }, shape.geometry);
     for (const MaterialSide& side : scene.description().materials[shape.material].side) add_side(hash, side);
     for (const C3f& radiance : shape.radiance) hash.add(radiance);
     if (shape.radiance_texture) add_texture(hash, *shape.radiance_texture);

@@ -38,7 +38,7 @@ std::size_t triangle_sides(const Scene& scene) {
   std::size_t sides = 0;
   for (std::uint32_t s = 0; s < scene.shapes().size(); ++s)
     for (const Side side : {front, back})
-      if (const auto* mesh = std::get_if<Mesh>(&scene.shapes()[s].geometry))
+      if (const Mesh* mesh = mesh_of(scene.shapes()[s].geometry))
         sides += can_hold_radiosity(scene, s, side) ? mesh->triangles.size() : 0;
   return sides;
 }

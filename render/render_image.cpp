@@ -14,7 +14,7 @@ namespace {
 constexpr int tile_size = 16;
 
 struct Tally {
-  std::atomic<std::uint64_t> rays{0}, shadow_rays{0}, non_finite{0};
+  std::atomic<std::uint64_t> rays{0}, shadow_rays{0}, escaped_rays{0}, non_finite{0};
 };
 
 // The samples of a few pixels, traced together.
@@ -86,6 +86,7 @@ void render_tile(const RenderJob& job, Film& film, int tile, const SamplePlan& p
   non_finite += group.finish(counts);
   tally.rays += counts.rays;
   tally.shadow_rays += counts.shadow_rays;
+  tally.escaped_rays += counts.escaped_rays;
   tally.non_finite += non_finite;
 }
 
@@ -153,7 +154,7 @@ RenderOutcome render_image(const RenderJob& job, Film& film) {
       break;
     }
   }
-  outcome.counts = {tally.rays, tally.shadow_rays};
+  outcome.counts = {tally.rays, tally.shadow_rays, tally.escaped_rays};
   outcome.non_finite_samples = tally.non_finite;
   outcome.pixels_stopped_early = share_stopped_early(film);
   return outcome;

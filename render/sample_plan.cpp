@@ -30,12 +30,11 @@ SampleShares::SampleShares(const Film& pilot)
     : pilot_samples_(static_cast<std::uint32_t>(pilot.pixel(0, 0).samples)) {
   constexpr double most_variance = 1e30;  // infinities would leave nothing for the others
   const int width = pilot.width(), height = pilot.height();
-  std::vector<double> variances, roots, shares;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      variances.push_back(std::min(pilot.pixel(x, y).relative_variance(), most_variance));
-      roots.push_back(std::sqrt(variances.back()));
-    }
+  std::vector<double> variances = pilot.relative_variances(), roots, shares;
+  for (double& variance : variances) {
+    variance = std::min(variance, most_variance);
+    roots.push_back(std::sqrt(variance));
+  }
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) shares.push_back(share_around(roots, width, height, x, y));
   const double mean_share =
@@ -98,7 +97,8 @@ double SamplePlan::limit() const {
 bool SamplePlan::next() {
   before_ = after_;
   if (goal_.relative_error > 0.0 && before_ > 0.0) {
-    error_ = film_.relative_error();
+    // Its upper bound: a render ends when its error is below the goal, not when its estimate happens to be.
+    error_ = film_.noise().upper_bound();
     if (error_ <= goal_.relative_error) {
       stop_reason_ = "noise";
       return false;

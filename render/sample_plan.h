@@ -13,7 +13,7 @@ namespace twopass {
 struct SamplingGoal {
   int samples_per_pixel = 0;  ///< on average
   double seconds = 0.0;
-  double relative_error = 0.0;  ///< of Film::relative_error()
+  double relative_error = 0.0;  ///< of Film::noise()
 };
 
 /// Most samples that one pixel gets, and where a render without a goal of samples stops at last.
@@ -78,7 +78,7 @@ class SamplePlan {
   [[nodiscard]] double mean_after() const { return after_; }
   /// Why next() was false: "noise" or "samples".
   [[nodiscard]] const std::string& stop_reason() const { return stop_reason_; }
-  /// The error of the film before this pass; infinite while it is unknown.
+  /// The upper bound of the film's error before this pass; infinite while it is unknown.
   [[nodiscard]] double error() const { return error_; }
 
  private:

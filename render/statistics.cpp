@@ -50,8 +50,10 @@ ordered_json render_json(const RenderStatistics& s) {
           {"samples", s.samples},
           {"rays", s.outcome.counts.rays},
           {"shadow_rays", s.outcome.counts.shadow_rays},
+          {"escaped_rays", s.outcome.counts.escaped_rays},
           {"non_finite_samples", s.outcome.non_finite_samples},
           {"relative_error", number_or_null(s.relative_error)},
+          {"relative_error_bound", number_or_null(s.relative_error_bound)},
           {"stop_reason", s.outcome.stop_reason},
           {"pixels_stopped_early", s.outcome.pixels_stopped_early},
           {"sampler", s.sampler},
@@ -64,7 +66,7 @@ ordered_json render_json(const RenderStatistics& s) {
 void RenderStatistics::count(const Scene& scene) {
   triangles = 0;
   for (const Shape& shape : scene.shapes())
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) triangles += mesh->triangles.size();
+    if (const Mesh* mesh = mesh_of(shape.geometry)) triangles += mesh->triangles.size();
   emitters = scene.lights().count();
 }
 

@@ -25,7 +25,8 @@ struct RenderStatistics {
   int width = 0, height = 0;
   std::uint64_t samples = 0;
   RenderOutcome outcome;
-  double relative_error = 0.0;  ///< infinity: not estimated
+  double relative_error = 0.0;        ///< infinity: not estimated
+  double relative_error_bound = 0.0;  ///< that it exceeds with a probability of 2 %; infinity: not estimated
   int threads = 0;
   std::uint32_t seed = 0;
 

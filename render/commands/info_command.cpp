@@ -1,5 +1,6 @@
 // twopass info: what is in a scene, what it needs, and what will be skipped.
 #include <cstdio>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -36,17 +37,33 @@ void count_models(std::map<std::string, std::size_t>& models, const MaterialNode
   }
 }
 
+// What shapes there are; the triangles of instanced meshes as often as they are seen, and once in memory.
+struct ShapeCounts {
+  std::size_t triangles = 0, spheres = 0, disks = 0, cylinders = 0, mesh_instances = 0, stored_triangles = 0;
+  std::set<const Mesh*> shared;
+};
+
+void count_shape(ShapeCounts& counts, const Shape& shape) {
+  if (const Mesh* mesh = mesh_of(shape.geometry)) {
+    const bool is_instance = std::holds_alternative<MeshInstance>(shape.geometry);
+    counts.triangles += mesh->triangles.size();
+    counts.mesh_instances += is_instance;
+    if (!is_instance || counts.shared.insert(mesh).second) counts.stored_triangles += mesh->triangles.size();
+  } else if (std::holds_alternative<Disk>(shape.geometry)) {
+    ++counts.disks;
+  } else if (std::holds_alternative<Cylinder>(shape.geometry)) {
+    ++counts.cylinders;
+  } else {
+    ++counts.spheres;
+  }
+}
+
 ordered_json describe(const LoadedScene& loaded) {
   const SceneDescription& scene = loaded.scene;
-  std::size_t triangles = 0, spheres = 0, emitting_triangles = 0, emitting_spheres = 0;
+  ShapeCounts all, emitting;
   for (const Shape& shape : scene.shapes) {
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-      triangles += mesh->triangles.size();
-      if (is_emitter(shape)) emitting_triangles += mesh->triangles.size();
-    } else {
-      ++spheres;
-      if (is_emitter(shape)) ++emitting_spheres;
-    }
+    count_shape(all, shape);
+    if (is_emitter(shape)) count_shape(emitting, shape);
   }
   std::map<std::string, std::size_t> models;
   for (const Material& material : scene.materials) count_models(models, *material.side[front].node());
@@ -68,12 +85,18 @@ ordered_json describe(const LoadedScene& loaded) {
   ordered_json skipped = ordered_json::array();
   for (const Skipped& entry : plan.skipped) skipped.push_back({{"what", entry.what}, {"why", entry.why}});
   return {{"shapes", scene.shapes.size()},
-          {"triangles", triangles},
-          {"spheres", spheres},
+          {"triangles", all.triangles},
+          {"stored_triangles", all.stored_triangles},
+          {"mesh_instances", all.mesh_instances},
+          {"spheres", all.spheres},
+          {"disks", all.disks},
+          {"cylinders", all.cylinders},
           {"materials", models},
           {"emitters",
-           {{"triangles", emitting_triangles},
-            {"spheres", emitting_spheres},
+           {{"triangles", emitting.triangles},
+            {"spheres", emitting.spheres},
+            {"disks", emitting.disks},
+            {"cylinders", emitting.cylinders},
             {"punctual", punctual},
             {"environment", scene.environment.kind_name()}}},
           {"textures", 0},

@@ -206,6 +206,20 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
   if (s.bias)
     std::printf("bias of the picture's mean: %+.2f %% +- %.2f %% (95 %% confidence, %.2g samples)\n",
                 100.0 * s.bias->mean, 100.0 * s.bias->ci95, static_cast<double>(s.bias->samples));
+  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16).
+  if (std::isfinite(s.relative_error) && s.relative_error_bound > 1.22 * s.relative_error) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "few pixels hold most of the noise (rare bright samples): it may be as large as %.2g, or larger "
+        "where such samples have not been met yet",
+        s.relative_error_bound);
+    console.note(text);
+  }
+  if (may_have_cracks(s.outcome.counts))
+    console.note(s.scene_file + ": " + std::to_string(s.outcome.counts.escaped_rays) + " of " +
+                 std::to_string(s.outcome.counts.rays) +
+                 " rays left the scene: there are cracks between its surfaces, or openings as small");
   if (s.outcome.non_finite_samples > 0)
     std::printf("%llu samples were not finite and counted as black\n",
                 static_cast<unsigned long long>(s.outcome.non_finite_samples));
@@ -275,7 +289,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.width = settings.width;
   s.height = settings.height;
   s.samples = film.samples();
-  s.relative_error = film.relative_error();
+  const NoiseEstimate noise = film.noise();
+  s.relative_error = std::sqrt(noise.relmse);
+  s.relative_error_bound = noise.upper_bound();
   s.threads = limit.threads();
   s.seed = settings.seed;
 

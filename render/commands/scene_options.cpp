@@ -21,7 +21,7 @@ Definitions parse_definitions(const std::vector<std::string>& texts) {
 }  // namespace
 
 void SceneOptions::add_to(CLI::App& command) {
-  command.add_option("scene", file, "Scene: Mitsuba XML (.xml) or Wavefront (.obj)")->required();
+  command.add_option("scene", file, "Scene: Mitsuba XML (.xml), Wavefront (.obj) or glTF 2.0 (.gltf, .glb)")->required();
   command.add_option("-D", definitions, "Value of a parameter of a Mitsuba scene, name=value (repeatable)")
       ->allow_extra_args(false);
 }

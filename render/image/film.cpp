@@ -21,11 +21,10 @@ C3d FilmPixel::mean() const {
   return weight > 0.0 ? C3d(sum / weight) : C3d(0.0, 0.0, 0.0);
 }
 
-double FilmPixel::relative_variance() const {
+double FilmPixel::relative_variance(const C3d& squared) const {
   // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1).
-  const C3d at = mean();
   double total = 0.0;
-  for (int c = 0; c < 3; ++c) total += spread[c] / (at[c] * at[c] + relmse_epsilon);
+  for (int c = 0; c < 3; ++c) total += spread[c] / (squared[c] + relmse_epsilon);
   // Radiances near the end of double's range could overflow to inf/inf.
   return std::isnan(total) ? std::numeric_limits<double>::infinity() : total / (3.0 * (batches - 1.0));
 }
@@ -97,17 +96,49 @@ Image Film::resolve() const {
   return image;
 }
 
-double Film::relative_error() const {
-  double sum = 0.0;
-  std::size_t sampled = 0;
-  for (const FilmPixel& pixel : pixels_) {
-    if (pixel.samples == 0) continue;
-    if (pixel.batches < 2) return std::numeric_limits<double>::infinity();
-    sum += pixel.relative_variance() / static_cast<double>(pixel.samples);
-    ++sampled;
+std::vector<double> Film::relative_variances() const {
+  constexpr int radius = 2;  // pixels
+  std::vector<C3d> means;
+  for (const FilmPixel& pixel : pixels_) means.push_back(pixel.mean());
+  std::vector<double> variances(pixels_.size(), 0.0);
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const FilmPixel& at = pixel(x, y);
+      if (at.samples == 0) continue;
+      C3d around(0.0, 0.0, 0.0);
+      int count = 0;
+      for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height_ - 1); ++j)
+        for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width_ - 1); ++i) {
+          if ((i == x && j == y) || pixel(i, j).samples == 0) continue;
+          around += means[index(i, j)];
+          ++count;
+        }
+      C3d squared = per_channel_square(means[index(x, y)]);
+      if (count > 0) {
+        const C3d most = per_channel_square(around / static_cast<double>(count));
+        for (int c = 0; c < 3; ++c) squared[c] = std::min(squared[c], most[c]);
+      }
+      variances[index(x, y)] = at.relative_variance(squared);
+    }
+  return variances;
+}
+
+NoiseEstimate Film::noise() const {
+  constexpr double unknown = std::numeric_limits<double>::infinity();
+  for (const FilmPixel& pixel : pixels_)
+    if (pixel.samples > 0 && pixel.batches < 2) return {unknown, 0.0};
+  const std::vector<double> variances = relative_variances();
+  double sum = 0.0, squares = 0.0, sampled = 0.0;
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    if (pixels_[i].samples == 0) continue;
+    const double relmse = variances[i] / static_cast<double>(pixels_[i].samples);
+    sum += relmse;
+    squares += relmse * relmse;
+    sampled += 1.0;
   }
-  if (sampled == 0) return std::numeric_limits<double>::infinity();
-  return std::sqrt(sum / static_cast<double>(sampled));
+  if (sampled == 0.0 || !std::isfinite(squares)) return {unknown, 0.0};
+  const double mean = sum / sampled;
+  return {mean, std::sqrt(std::max(0.0, squares / sampled - mean * mean) / sampled)};
 }
 
 }  // namespace twopass

@@ -2,6 +2,7 @@
 // Knows no scene and no file. One thread owns a pixel while a pass is rendered, hence no locks.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -21,9 +22,10 @@ struct FilmPixel {
 
   /// The pixel's mean radiance; black without samples.
   [[nodiscard]] C3d mean() const;
-  /// Estimated variance of one sample over mean^2 + 0.01, averaged over the channels, from the scatter of the
-  /// batches; divided by `samples` it is the expected relMSE of the mean. Never NaN. REQUIRES: batches >= 2.
-  [[nodiscard]] double relative_variance() const;
+  /// Estimated variance of one sample over squared + 0.01, averaged over the channels, from the scatter of the
+  /// batches; with the square of the true radiance and divided by `samples` it is the expected relMSE of the
+  /// mean. Never NaN. REQUIRES: batches >= 2.
+  [[nodiscard]] double relative_variance(const C3d& squared) const;
   /// Adds what another set of batches found. Exact (Chan, Golub, LeVeque 1983); order changes only rounding.
   void merge(const FilmPixel& other);
 };
@@ -39,6 +41,14 @@ class PixelBatch {
 
  private:
   FilmPixel sums_;
+};
+
+/// An estimate of a picture's error, and how sure it is.
+struct NoiseEstimate {
+  double relmse;          ///< expected
+  double standard_error;  ///< of that
+  /// The root of the relMSE that it exceeds with a probability of about 2 %.
+  [[nodiscard]] double upper_bound() const { return std::sqrt(relmse + 2.0 * standard_error); }
 };
 
 class Film {
@@ -64,11 +74,18 @@ class Film {
   /// The picture: channels R, G, B, A. Pixels without samples are black with alpha 0.
   [[nodiscard]] Image resolve() const;
 
-  /// Estimated root of the expected relMSE: sqrt of the mean over sampled pixels and channels of
-  /// Var(mean) / (mean^2 + 0.01), with the variance from the scatter of the batches. Never NaN;
-  /// infinity while a sampled pixel has fewer than two batches, or none is sampled. Batches of a stratified
-  /// sampler scatter more than their sum errs, so the estimate is then on the safe side.
-  [[nodiscard]] double relative_error() const;
+  /// The error by the scatter of the batches (S9): mean over sampled pixels and channels of
+  /// Var(mean) / (r^2 + 0.01). Never NaN; infinite while a sampled pixel has fewer than two batches, or none is
+  /// sampled. Batches of a stratified sampler scatter more than their sum errs, so the estimate is then on the
+  /// safe side.
+  [[nodiscard]] NoiseEstimate noise() const;
+  /// The root of the same relMSE.
+  [[nodiscard]] double relative_error() const { return std::sqrt(noise().relmse); }
+  /// FilmPixel::relative_variance() of every pixel, row by row. The square of a pixel's own radiance is not
+  /// taken to be larger than that of the 5x5 pixels around it on average: a rare bright sample raises the mean
+  /// of its pixel together with the variance, and would hide itself. Zero without samples. REQUIRES: at least
+  /// two batches in every sampled pixel.
+  [[nodiscard]] std::vector<double> relative_variances() const;
 
  private:
   [[nodiscard]] std::size_t index(int x, int y) const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/image/filter.h"
+#include "render/load/texture_files.h"
 #include "render/scene/scene.h"
 
 namespace twopass {
@@ -34,8 +35,9 @@ struct LoadedScene {
 /// Mitsuba XML parameters given on the command line (-D name=value).
 using Definitions = std::map<std::string, std::string>;
 
-/// Loads by extension: .xml Mitsuba, .obj Wavefront. Throws Error (file:line) for what cannot be read, is
-/// malformed or is not supported, naming what is.
-LoadedScene load_scene(const std::filesystem::path& path, const Definitions& definitions);
+/// Loads by extension: .xml Mitsuba, .obj Wavefront, .gltf and .glb glTF 2.0. Throws Error (file:line) for what
+/// cannot be read, is malformed or is not supported, naming what is.
+LoadedScene load_scene(const std::filesystem::path& path, const Definitions& definitions,
+                       const TextureOptions& textures = {});
 
 }  // namespace twopass

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "render/core/error.h"
+#include "render/image/regular_file.h"
 #include "render/load/mitsuba_parameters.h"
 #include "render/load/number.h"
 #include "render/load/text_file.h"
@@ -203,10 +204,19 @@ fs::path find_file(const MitsubaTree& tree, const XmlNode& node, const std::stri
   for (const fs::path& folder : folders) {
     const fs::path candidate = folder / name;  // an absolute name stays itself
     std::error_code ignored;
-    if (fs::exists(candidate, ignored)) return candidate;
+    if (fs::exists(candidate, ignored)) {
+      check_regular_file(candidate, node.where());
+      return candidate;
+    }
     if (std::ranges::find(searched, candidate.string()) == searched.end())
       searched.push_back(candidate.string());
   }
+  // Written on a system that takes "Wood.PNG" for "wood.png", or "meshes\\a.obj" for "meshes/a.obj".
+  for (const std::string& candidate : searched)
+    if (const std::optional<fs::path> found = find_any_case(candidate)) {
+      check_regular_file(*found, node.where());
+      return *found;
+    }
   throw Error(node.where(), "there is no file '" + name + "'", "searched: " + list_some(searched));
 }
 

@@ -32,7 +32,8 @@ MitsubaTree read_mitsuba(const std::filesystem::path& path, const Definitions& d
 const XmlNode& resolve(const MitsubaTree& tree, const XmlNode& reference);
 
 /// The file that an attribute or property of `node` names: relative to the file it stands in, to the main file
-/// or to a <path>. Throws Error listing the places searched.
+/// or to a <path>, exactly first, then as find_any_case does. Throws Error listing the places searched, or
+/// saying what is there instead of a regular file.
 std::filesystem::path find_file(const MitsubaTree& tree, const XmlNode& node, const std::string& name);
 
 /// Whether the element is an object (it has a plugin type) rather than a plain property.

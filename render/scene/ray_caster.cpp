@@ -1,8 +1,10 @@
 #include "render/scene/ray_caster.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <map>
 #include <string>
 #include <type_traits>
 
@@ -128,38 +130,67 @@ void finish(PacketRay<N>& rays, int* valid, std::size_t count, float t_far) {
 // The rounding of `direction` moves the end of a segment by some units in the last place of the whole length.
 constexpr float segment_end = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
 
-// The nearest distance within (tnear, tfar) at which the ray of a packet meets the sphere; false if there is
+// The distances at which the line meets an analytic surface, ascending, the farther ones again if there are
+// fewer than two. False: it misses.
+bool meet(const Sphere& sphere, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
+  return intersect_sphere(sphere, origin, direction, t[0], t[1]);
+}
+bool meet(const Disk& disk, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
+  V2d at;
+  if (!intersect_disk(disk, origin, direction, t[0], at)) return false;
+  t[1] = t[0];
+  return true;
+}
+bool meet(const Cylinder& cylinder, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
+  std::array<double, 2> along;
+  if (!intersect_cylinder(cylinder, origin, direction, t, along)) return false;
+  const bool hits_near = along[0] >= 0.0 && along[0] <= 1.0, hits_far = along[1] >= 0.0 && along[1] <= 1.0;
+  if (!hits_near) t[0] = t[1];
+  if (!hits_far) t[1] = t[0];
+  return hits_near || hits_far;
+}
+
+// The nearest distance within (tnear, tfar) at which the ray of a packet meets the surface; false if there is
 // none.
-bool nearest_in_range(const Sphere& sphere, RTCRayN* rays, unsigned n, unsigned lane, float& t) {
+template <class Surface>
+bool nearest_in_range(const Surface& surface, RTCRayN* rays, unsigned n, unsigned lane, float& t) {
   const V3f origin(RTCRayN_org_x(rays, n, lane), RTCRayN_org_y(rays, n, lane), RTCRayN_org_z(rays, n, lane));
   const V3f direction(RTCRayN_dir_x(rays, n, lane), RTCRayN_dir_y(rays, n, lane), RTCRayN_dir_z(rays, n, lane));
-  double near, far;
-  if (!intersect_sphere(sphere, origin, direction, near, far)) return false;
-  for (const double candidate : {near, far}) {
+  std::array<double, 2> met;
+  if (!meet(surface, origin, direction, met)) return false;
+  for (const double candidate : met) {
     t = static_cast<float>(candidate);
     if (t > RTCRayN_tnear(rays, n, lane) && t < RTCRayN_tfar(rays, n, lane)) return true;
   }
   return false;
 }
 
-const Sphere& sphere_of(void* user_data) { return *static_cast<const Sphere*>(user_data); }
+template <class Surface>
+const Surface& surface_of(void* user_data) {
+  return *static_cast<const Surface*>(user_data);
+}
 
-void sphere_bounds(const RTCBoundsFunctionArguments* args) {
-  const Sphere& sphere = sphere_of(args->geometryUserPtr);
-  const float r = sphere.radius + rounding_offset(sphere);
-  args->bounds_o->lower_x = sphere.center.x - r, args->bounds_o->upper_x = sphere.center.x + r;
-  args->bounds_o->lower_y = sphere.center.y - r, args->bounds_o->upper_y = sphere.center.y + r;
-  args->bounds_o->lower_z = sphere.center.z - r, args->bounds_o->upper_z = sphere.center.z + r;
+template <class Surface>
+void surface_bounds(const RTCBoundsFunctionArguments* args) {
+  const auto& surface = surface_of<Surface>(args->geometryUserPtr);
+  const V3f margin(rounding_offset(surface));
+  const Box3f box = box_of(surface);
+  const V3f lower = box.min - margin, upper = box.max + margin;
+  args->bounds_o->lower_x = lower.x, args->bounds_o->upper_x = upper.x;
+  args->bounds_o->lower_y = lower.y, args->bounds_o->upper_y = upper.y;
+  args->bounds_o->lower_z = lower.z, args->bounds_o->upper_z = upper.z;
 }
 
 // Single rays are packets of one.
-void sphere_intersect(const RTCIntersectFunctionNArguments* args) {
+template <class Surface>
+void surface_intersect(const RTCIntersectFunctionNArguments* args) {
   const unsigned n = args->N;
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
   for (unsigned lane = 0; lane < n; ++lane) {
     float t;
-    if (args->valid[lane] == 0 || !nearest_in_range(sphere_of(args->geometryUserPtr), rays, n, lane, t))
+    if (args->valid[lane] == 0 ||
+        !nearest_in_range(surface_of<Surface>(args->geometryUserPtr), rays, n, lane, t))
       continue;
     RTCRayN_tfar(rays, n, lane) = t;
     RTCHitN_geomID(hits, n, lane) = args->geomID;
@@ -169,13 +200,19 @@ void sphere_intersect(const RTCIntersectFunctionNArguments* args) {
   }
 }
 
-void sphere_occluded(const RTCOccludedFunctionNArguments* args) {
+template <class Surface>
+void surface_occluded(const RTCOccludedFunctionNArguments* args) {
   for (unsigned lane = 0; lane < args->N; ++lane) {
     float t;
     if (args->valid[lane] != 0 &&
-        nearest_in_range(sphere_of(args->geometryUserPtr), args->ray, args->N, lane, t))
+        nearest_in_range(surface_of<Surface>(args->geometryUserPtr), args->ray, args->N, lane, t))
       RTCRayN_tfar(args->ray, args->N, lane) = -infinity_f;
   }
+}
+
+// Instances know which shapes of theirs was hit: the shapes of one instance follow each other.
+std::uint32_t shape_of(std::uint32_t instance, std::uint32_t geometry) {
+  return instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance + geometry;
 }
 
 // Cuts `count` queries into packets: calls body(width, first, count of the packet), width an integral constant.
@@ -232,8 +269,11 @@ struct RayCaster::Impl {
   int packet_width = 1;  // that the processor has instructions for
   std::atomic<std::int64_t> bytes{0};
 
+  std::map<std::vector<const Mesh*>, RTCScene> groups;  // what is instanced
+
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
+    for (const auto& [meshes, group] : groups) rtcReleaseScene(group);
     if (device) rtcReleaseDevice(device);
   }
   void check(const char* what) const {
@@ -246,13 +286,13 @@ struct RayCaster::Impl {
                 std::string("Embree failed while ") + what + " (error " + std::to_string(code) + ")",
                 "check that the scene's coordinates are of reasonable size");
   }
-  void attach(RTCGeometry geometry, std::uint32_t id) {
+  static void attach(RTCScene to, RTCGeometry geometry, std::uint32_t id) {
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene, geometry, id);
+    rtcAttachGeometryByID(to, geometry, id);
     rtcReleaseGeometry(geometry);
   }
-  void add_mesh(const Mesh& mesh, std::uint32_t id) {
-    triangles += mesh.triangles.size();
+  void add_mesh(RTCScene to, const Mesh& mesh, std::uint32_t id) {
+    if (mesh.triangles.empty()) return;
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Vertices are copied (Embree reads past the last one), indices are shared.
     void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -261,16 +301,71 @@ struct RayCaster::Impl {
     std::memcpy(vertices, static_cast<const void*>(mesh.positions.data()), mesh.positions.size() * sizeof(V3f));
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                                sizeof(V3u), mesh.triangles.size());
-    attach(geometry, id);
+    attach(to, geometry, id);
   }
-  void add_sphere(const Sphere& sphere, std::uint32_t id) {
+  template <class Surface>
+  void add_surface(const Surface& surface, std::uint32_t id) {
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, 1);
-    rtcSetGeometryUserData(geometry, const_cast<Sphere*>(&sphere));
-    rtcSetGeometryBoundsFunction(geometry, sphere_bounds, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, sphere_intersect);
-    rtcSetGeometryOccludedFunction(geometry, sphere_occluded);
-    attach(geometry, id);
+    rtcSetGeometryUserData(geometry, const_cast<Surface*>(&surface));
+    rtcSetGeometryBoundsFunction(geometry, surface_bounds<Surface>, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, surface_intersect<Surface>);
+    rtcSetGeometryOccludedFunction(geometry, surface_occluded<Surface>);
+    attach(scene, geometry, id);
+  }
+  RTCScene new_scene() const {
+    const RTCScene made = rtcNewScene(device);
+    rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST);
+    return made;
+  }
+  // One instance of several meshes: the shapes from `id` on.
+  void add_instance(const std::vector<const Mesh*>& meshes, const Placement& to_world, std::uint32_t id) {
+    RTCScene& group = groups[meshes];
+    if (!group) {
+      group = new_scene();
+      for (std::uint32_t k = 0; k < meshes.size(); ++k) add_mesh(group, *meshes[k], k);
+      rtcCommitScene(group);
+      check("building the acceleration structure of a group");
+    }
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, group);
+    rtcSetGeometryTimeStepCount(geometry, 1);
+    std::array<float, 12> columns;
+    std::size_t next = 0;
+    for (const V3f& column : {to_world.x, to_world.y, to_world.z, to_world.origin})
+      for (int row = 0; row < 3; ++row) columns[next++] = column[row];
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+    attach(scene, geometry, id);
+  }
+  // Adds the shape of this number, or all of its instance. Returns the number after them.
+  std::uint32_t add(std::span<const Shape> shapes, std::uint32_t id) {
+    const Geometry& geometry = shapes[id].geometry;
+    const auto* instance = std::get_if<MeshInstance>(&geometry);
+    if (!instance) {
+      std::visit(
+          [&]<class Kind>(const Kind& kind) {
+            if constexpr (std::is_same_v<Kind, Mesh>) {
+              triangles += kind.triangles.size();
+              add_mesh(scene, kind, id);
+            } else if constexpr (!std::is_same_v<Kind, MeshInstance>) {
+              add_surface(kind, id);
+            }
+          },
+          geometry);
+      return id + 1;
+    }
+    std::vector<const Mesh*> meshes;
+    std::uint32_t next = id;
+    for (; next < shapes.size(); ++next) {
+      const auto* other = std::get_if<MeshInstance>(&shapes[next].geometry);
+      // The same mesh again in the same place is another instance: groups stay as they were made.
+      if (!other || other->to_world != instance->to_world || std::ranges::count(meshes, other->mesh.get()) > 0)
+        break;
+      meshes.push_back(other->mesh.get());
+      triangles += other->mesh->triangles.size();
+    }
+    add_instance(meshes, instance->to_world, id);
+    return next;
   }
   // Packets of `rays[order[i]]`, or of `segments`.
   template <int N>
@@ -295,7 +390,7 @@ void RayCaster::Impl::intersect(std::span<const Ray> rays, std::span<const std::
     Hit& hit = hits[order[lane]];
     hit = {};
     if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-    hit.shape = packet.hit.geomID[lane];
+    hit.shape = shape_of(packet.hit.instID[0][lane], packet.hit.geomID[lane]);
     hit.primitive = packet.hit.primID[lane];
     hit.t = packet.ray.tfar[lane];
     hit.u = packet.hit.u[lane];
@@ -329,15 +424,8 @@ RayCaster::RayCaster(std::span<const Shape> shapes) : impl_(std::make_unique<Imp
     impl_->packet_width = 16;
   else if (rtcGetDeviceProperty(impl_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0)
     impl_->packet_width = 8;
-  impl_->scene = rtcNewScene(impl_->device);
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
-  for (std::uint32_t id = 0; id < shapes.size(); ++id) {
-    if (const auto* mesh = std::get_if<Mesh>(&shapes[id].geometry)) {
-      if (!mesh->triangles.empty()) impl_->add_mesh(*mesh, id);
-    } else {
-      impl_->add_sphere(std::get<Sphere>(shapes[id].geometry), id);
-    }
-  }
+  impl_->scene = impl_->new_scene();
+  for (std::uint32_t id = 0; id < shapes.size();) id = impl_->add(shapes, id);
   rtcCommitScene(impl_->scene);
   impl_->check("building the acceleration structure");
 }
@@ -353,7 +441,7 @@ Hit RayCaster::intersect(const Ray& ray) const {
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   query_intersect(impl_->scene, query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-  hit.shape = query.hit.geomID;
+  hit.shape = shape_of(query.hit.instID[0], query.hit.geomID);
   hit.primitive = query.hit.primID;
   hit.t = query.ray.tfar;
   hit.u = query.hit.u;

@@ -13,7 +13,7 @@
 namespace twopass {
 namespace {
 
-constexpr int counts[] = {4, 16, 64, 256};
+constexpr int counts[] = {1, 4, 16, 64, 256};
 
 struct Bench {
   const Integrator& path;
@@ -22,8 +22,48 @@ struct Bench {
 };
 
 struct Result {
-  double relmse, microseconds_a_path;
+  double relmse, blurred_relmse, microseconds_a_path;
 };
+
+// What the eye makes of a picture at arm's length: a Gaussian of 1.5 pixels' standard deviation.
+Image blurred(const Image& image) {
+  constexpr int radius = 4;
+  constexpr double deviation = 1.5;
+  const auto pass = [&](const Image& from, int dx, int dy) {
+    Image to(from.width, from.height, from.channels);
+    for (int y = 0; y < from.height; ++y)
+      for (int x = 0; x < from.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          double sum = 0.0, weights = 0.0;
+          for (int k = -radius; k <= radius; ++k) {
+            const int i = x + k * dx, j = y + k * dy;
+            if (i < 0 || j < 0 || i >= from.width || j >= from.height) continue;
+            const double weight = std::exp(-0.5 * k * k / (deviation * deviation));
+            sum += weight * from.at(i, j, c);
+            weights += weight;
+          }
+          to.at(x, y, c) = static_cast<float>(sum / weights);
+        }
+    return to;
+  };
+  return pass(pass(image, 1, 0), 0, 1);
+}
+
+// relMSE of one of the pictures, from how they differ from each other.
+double relmse_between(std::span<const Image> images) {
+  const auto n = static_cast<double>(images.size());
+  const int width = images[0].width, height = images[0].height;
+  double sum = 0.0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        double mean = 0.0, squares = 0.0;
+        for (const Image& image : images) mean += image.at(x, y, c) / n;
+        for (const Image& image : images) squares += (image.at(x, y, c) - mean) * (image.at(x, y, c) - mean);
+        sum += squares / (n - 1.0) / (mean * mean + relmse_epsilon);
+      }
+  return sum / (3.0 * width * height);
+}
 
 Result measure(const Bench& bench, SamplerKind kind, int samples) {
   std::vector<Image> images;
@@ -38,16 +78,9 @@ Result measure(const Bench& bench, SamplerKind kind, int samples) {
   }
   const double paths = static_cast<double>(bench.size) * bench.size * bench.renders * samples;
   const double cpu = stopwatch.elapsed().cpu_seconds;
-  double sum = 0.0;
-  for (int y = 0; y < bench.size; ++y)
-    for (int x = 0; x < bench.size; ++x)
-      for (int c = 0; c < 3; ++c) {
-        double mean = 0.0, squares = 0.0;
-        for (const Image& image : images) mean += image.at(x, y, c) / bench.renders;
-        for (const Image& image : images) squares += (image.at(x, y, c) - mean) * (image.at(x, y, c) - mean);
-        sum += squares / (bench.renders - 1) / (mean * mean + relmse_epsilon);
-      }
-  return {sum / (3.0 * bench.size * bench.size), 1e6 * cpu / paths};
+  std::vector<Image> seen;
+  for (const Image& image : images) seen.push_back(blurred(image));
+  return {relmse_between(images), relmse_between(seen), 1e6 * cpu / paths};
 }
 
 // Least squares through the logarithms.
@@ -91,15 +124,19 @@ int main(int argc, char** argv) {
   for (const int n : counts) std::printf(" %9d", n);
   std::printf("     slope   us/path   ns/pair\n");
   for (const auto& sampler : sampler_names) {
-    std::vector<double> relmse;
+    std::vector<double> relmse, blurred_relmse;
     double microseconds = 0.0;
     for (const int n : counts) {
       const Result result = measure({path, camera, size, renders}, sampler.value, n);
       relmse.push_back(result.relmse);
+      blurred_relmse.push_back(result.blurred_relmse);
       microseconds = result.microseconds_a_path;
     }
     std::printf("%-12s", std::string(sampler.name).c_str());
     for (const double value : relmse) std::printf(" %9.2e", value);
-    std::printf(" %9.3f %9.3f %9.1f\n", slope(relmse), microseconds, nanoseconds_a_pair(sampler.value));
+    std::printf(" %9.3f %9.3f %9.1f\n%-12s", slope(relmse), microseconds, nanoseconds_a_pair(sampler.value),
+                "  blurred");
+    for (const double value : blurred_relmse) std::printf(" %9.2e", value);
+    std::printf(" %9.3f\n", slope(blurred_relmse));
   }
 }

@@ -117,10 +117,25 @@ SceneDescription panels(std::uint32_t count) {
   return scene;
 }
 
+// A light chosen with the given probabilities whatever the receiver, then a point of it as the tree would draw
+// it.
+float flat_sample(const std::vector<LightPolygon>& polygons, const DiscreteDistribution& choice,
+                  const Receiver& receiver, const V2f& u) {
+  const auto chosen = choice.sample(u.x);
+  const PolygonView view(polygons[chosen.index], receiver);
+  const PolygonView::Point p = view.sample({chosen.remapped, u.y});
+  if (view.side() == back || !(p.pdf_w > 0.0f)) return 0.0f;
+  return std::max(0.0f, p.direction.dot(receiver.normal)) / (p.pdf_w * chosen.probability);
+}
+
 void tree_table() {
   std::printf(
-      "| triangles | ns to build one | ns a sample | ns pdf_w | noise | noise by power alone "
-      "|\n|---|---|---|---|---|---|\n");
+      "many lights; noise = standard deviation / mean, root of the mean square over the receivers; gain = "
+      "variance x (time + %.0f ns) of uniform choice over that of the tree\n",
+      other_ns);
+  std::printf(
+      "| triangles | ns to build one | ns a sample: tree | power | uniform | ns pdf_w | noise: tree | power | "
+      "uniform | gain |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::uint32_t count : {1u, 10u, 100u, 1000u, 10000u, 100000u}) {
     const SceneDescription scene = panels(count);
     const double begin = cpu_seconds();
@@ -129,8 +144,8 @@ void tree_table() {
     std::vector<double> areas;
     const std::vector<LightPolygon> polygons = light_polygons(std::get<Mesh>(scene.shapes[0].geometry));
     for (const LightPolygon& polygon : polygons) areas.push_back(polygon.area);
-    const DiscreteDistribution by_power(areas);
-    Result mean{0.0, 0.0}, mean_power{0.0, 0.0};
+    const DiscreteDistribution by_power(areas), uniform(std::vector<double>(areas.size(), 1.0));
+    std::array<Result, 3> sums{};  // tree, power, uniform; variances instead of noise
     double pdf_ns = 0.0;
     int receivers = 0;  // that see anything at all
     for (std::uint32_t r = 0; r < 16; ++r) {
@@ -144,26 +159,25 @@ void tree_table() {
       });
       if (!std::isfinite(tree.noise)) continue;
       ++receivers;
-      const Result power = measure([&](const V2f& u) {
-        const auto choice = by_power.sample(u.x);
-        const LightPolygon& polygon = polygons[choice.index];
-        const PolygonView view(polygon, receiver);
-        const PolygonView::Point p = view.sample({choice.remapped, u.y});
-        if (view.side() == back || !(p.pdf_w > 0.0f)) return 0.0f;
-        return std::max(0.0f, p.direction.dot(receiver.normal)) / (p.pdf_w * choice.probability);
-      });
+      const Result flat[] = {
+          measure([&](const V2f& u) { return flat_sample(polygons, by_power, receiver, u); }),
+          measure([&](const V2f& u) { return flat_sample(polygons, uniform, receiver, u); })};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Result& one = k == 0 ? tree : flat[k - 1];
+        sums[k].ns += one.ns;
+        sums[k].noise += one.noise * one.noise;
+      }
       SurfacePoint point{};
-      const Result pdf = measure([&](const V2f& u) {
-        point.primitive = static_cast<std::uint32_t>(u.x * static_cast<float>(count));
-        return lights.pdf_w(receiver, V3f(0, 0, 1), 1.0f, point);
-      });
-      mean.ns += tree.ns;
-      mean.noise += tree.noise;
-      mean_power.noise += power.noise;
-      pdf_ns += pdf.ns;
+      pdf_ns += measure([&](const V2f& u) {
+                  point.primitive = static_cast<std::uint32_t>(u.x * static_cast<float>(count));
+                  return lights.pdf_w(receiver, V3f(0, 0, 1), 1.0f, point);
+                }).ns;
     }
-    std::printf("| %u | %.0f | %.0f | %.0f | %.2f | %.2f |\n", count, build, mean.ns / receivers,
-                pdf_ns / receivers, mean.noise / receivers, mean_power.noise / receivers);
+    for (Result& sum : sums) sum = {sum.ns / receivers, std::sqrt(sum.noise / receivers)};
+    const auto cost = [](const Result& r) { return r.noise * r.noise * (r.ns + other_ns); };
+    std::printf("| %u | %.0f | %.0f | %.0f | %.0f | %.0f | %.2f | %.2f | %.2f | %.3g |\n", count, build,
+                sums[0].ns, sums[1].ns, sums[2].ns, pdf_ns / receivers, sums[0].noise, sums[1].noise,
+                sums[2].noise, cost(sums[2]) / cost(sums[0]));
   }
 }
 

@@ -98,7 +98,8 @@ std::vector<Probe> place_probes(const Scene& scene, const ElementMesh& mesh) {
 C3d gathered(const Scene& scene, const Probe& probe, const Solution& solution) {
   C3d sum(0.0);
   for (const GatherRay& ray : probe.ray)
-    sum += C3d(ray.weight * scene.side(ray.end).traits().mean_diffuse_reflectance * solution.irradiance(ray.end).total());
+    sum += C3d(ray.weight * scene.side(ray.end).traits().mean_diffuse_reflectance *
+               solution.irradiance(ray.end).total());
   return sum / static_cast<double>(gather_rays);
 }
 

@@ -91,6 +91,45 @@ TEST(Film, ErrorEstimateIsRight) {
   EXPECT_NEAR(film.relative_error() / expected, 1.0, 0.03);
 }
 
+// Rare bright samples: one in a thousand is 400 times the rest. The few pixels that have met one must not hide
+// it by their own bright mean: then this estimate would be a twentieth of the truth.
+TEST(Film, ErrorEstimateOfRareBrightSamples) {
+  constexpr int size = 64;
+  constexpr float bright = 200.0f, chance = 1e-3f;
+  Film film(size, size);
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  for (int pass = 0; pass < 2; ++pass)
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        PixelBatch batch;
+        for (int i = 0; i < 8; ++i) batch.add(C3f(uniform(generator) < chance ? bright : 0.5f));
+        film.add_pixel(x, y, batch);
+      }
+  const double mean = 0.5 + 199.5 * 1e-3, variance = 199.5 * 199.5 * 1e-3 * (1.0 - 1e-3);
+  const double expected = variance / 16.0 / (mean * mean + 0.01);
+  EXPECT_GT(film.noise().relmse / expected, 0.7);
+  EXPECT_LT(film.noise().relmse / expected, 2.0);
+  EXPECT_GT(film.noise().standard_error / film.noise().relmse, 0.05) << "about 65 such samples in all";
+  EXPECT_LT(film.noise().standard_error / film.noise().relmse, 0.3);
+}
+
+// A bright column in black: the estimate may be too large at edges, never too small.
+TEST(Film, ErrorEstimateAtEdges) {
+  Film film(9, 9);
+  for (int y = 0; y < 9; ++y)
+    for (int x = 0; x < 9; ++x)
+      for (const float change : {-0.1f, 0.1f}) {
+        PixelBatch batch;
+        batch.add(C3f(x == 4 ? 1.0f + change : 0.0f));
+        film.add_pixel(x, y, batch);
+      }
+  // Variance of a sample .02; in the column the neighbours are 4 bright of 24, which is on the safe side.
+  const double around = 4.0 / 24.0;
+  EXPECT_NEAR(film.relative_variances()[4 * 9 + 4], 0.02 / (around * around + 0.01), 1e-6);
+  EXPECT_EQ(film.relative_variances()[4 * 9 + 3], 0.0);
+}
+
 TEST(Film, MergingFilmsIsRenderingOn) {
   std::mt19937 generator(5);
   std::uniform_real_distribution<float> sample(0.0f, 2.0f);

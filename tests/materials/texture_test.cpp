@@ -10,7 +10,7 @@ Bitmap bitmap(TextureFilter filter, TextureWrap wrap) {
   auto image = std::make_shared<Image>(3, 2, std::vector<std::string>{"R", "G", "B"});
   for (int i = 0; i < 6; ++i)
     for (int c = 0; c < 3; ++c) image->pixels[static_cast<std::size_t>(3 * i + c)] = static_cast<float>(i);
-  return Bitmap{image, filter, wrap};
+  return Bitmap{std::make_shared<TextureImage>(*image), filter, wrap, wrap};
 }
 
 TEST(Texture, ConstantsAreTheSameEverywhere) {

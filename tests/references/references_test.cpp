@@ -29,11 +29,8 @@ std::vector<std::string> scenes() {
 
 // Features that are refused by name, until they are there.
 const std::set<std::string> unsupported = {
-    "light_disk",          "sensor_crop",        "sensor_focal_offset",
-    "sensor_orthographic", "sensor_thinlens",    "shape_cylinder",
-    "shape_disk",          "shape_instance",     "shape_ply_face_normals",
-    "shape_ply_smooth",    "rfilter_catmullrom", "rfilter_lanczos",
-    "rfilter_mitchell"};
+    "sensor_crop",        "sensor_focal_offset", "sensor_orthographic", "sensor_thinlens",
+    "rfilter_catmullrom", "rfilter_lanczos",     "rfilter_mitchell"};
 
 // Mitsuba 3.8 weighs the mirror of a mixture as if its probability were a density, so that its highlight is
 // (0.3 + 0.7 rho cos / pi) / (0.3 + 0.7 cos / pi) of ours. Ours is exact: tests/materials/material_test.cpp.

@@ -157,6 +157,26 @@ TEST(SamplePlan, ReachesTheNoiseItIsAskedForWithFewerSamples) {
   EXPECT_LT(film.pixel(5, 5).samples, film.pixel(40, 5).samples);
 }
 
+// Rare bright samples again, to a goal of noise: the error at the end is below the goal, not only its estimate.
+TEST(SamplePlan, TheErrorOfRareBrightSamplesIsBelowTheGoal) {
+  constexpr double bright = 60.0, chance = 3e-3, truth = 0.5 + chance * bright, goal = 0.3;
+  const auto value = [&](int, int, std::uint64_t random) {
+    return 0.5 + (unit_number(random) < chance ? bright : 0.0);
+  };
+  test::Estimate relmse;
+  for (std::uint32_t run = 0; run < 10; ++run) {
+    Film film(48, 24);
+    EXPECT_EQ(render(film, {0, 0.0, goal}, run, value), "noise");
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 48; ++x) {
+        const double d = film.pixel(x, y).mean().x - truth;
+        relmse.add(d * d / (truth * truth + 0.01));
+      }
+  }
+  EXPECT_LT(std::sqrt(relmse.mean()), goal);
+  EXPECT_GT(std::sqrt(relmse.mean()), 0.4 * goal) << "more samples than needed";
+}
+
 TEST(SamplePlan, TheLimitOfSamplesIsKept) {
   for (const int limit : {1, 4, 16, 50, 100}) {
     Film film(16, 8);

@@ -157,6 +157,38 @@ TEST(PathTruth, CIE_5_3_AreaLamp) {
     check(z, reading);
 }
 
+// Flux conservation: all of the 10000 lm of a lamp in a closed black room of 4 x 4 x 3 m arrive at its walls.
+// The midpoints of 64 x 64 cells a wall integrate illuminance to 1e-4.
+TEST(PathTruth, CIE_5_4_FluxConservation) {
+  const V3f size(4, 4, 3);
+  const auto flux = [&](const PunctualLight& light) {
+    SceneDescription description = test::unit_room(C3f(reflectance), C3f(0.0f), C3f(reflectance));
+    for (Shape& shape : description.shapes)
+      for (V3f& p : std::get<Mesh>(shape.geometry).positions) p *= size;
+    description.punctual_lights.push_back(light);
+    const Scene scene(description);
+    const auto integrator = direct(scene);
+    constexpr int cells = 64;
+    double lumen = 0.0;
+    for (const Shape& shape : description.shapes) {
+      const std::vector<V3f>& p = std::get<Mesh>(shape.geometry).positions;
+      const V3f a = p[1] - p[0], b = p[3] - p[0], normal = a.cross(b).normalized();
+      const double area = double(a.cross(b).length()) / (cells * cells);
+      for (int i = 0; i < cells; ++i)
+        for (int j = 0; j < cells; ++j) {
+          const float u = (static_cast<float>(i) + 0.5f) / cells, v = (static_cast<float>(j) + 0.5f) / cells;
+          lumen += area * illuminance(*integrator, p[0] + a * u + b * v, normal);
+        }
+    }
+    return lumen;
+  };
+  const PointLight bare{V3f(2, 2, 1.5f), C3f(10000.0f / (4 * pi_f))};
+  EXPECT_NEAR(flux(bare) / 10000.0, 1.0, 1e-3);
+  PointLight aside = bare;
+  aside.position = V3f(1, 2.5f, 2.25f);
+  EXPECT_NEAR(flux(aside) / 10000.0, 1.0, 1e-3);
+}
+
 // A pane of index 1.52 passes (1 - R) / (1 + R) at normal incidence, as one surface and as a slab of two.
 TEST(PathTruth, CIE_5_5_GlassPane) {
   const double once = std::pow(0.52 / 2.52, 2), truth = (1.0 - once) / (1.0 + once);
@@ -194,6 +226,39 @@ TEST(PathTruth, CIE_5_6_LightReflectedByTheFloor) {
     EXPECT_NEAR(100.0 * illuminance(*path, reading.position, y, 1 << 16) / (1000.0 * 0.3) / reading.lux, 1.0,
                 5e-3)
         << reading.position;
+}
+
+// A wall of 4 x 3 m under even light, seen by the wall and the floor opposite over a black box that stands
+// across the room: 100 E / (E_wall rho), as corrected by Ashdown (the standard's own table is wrong).
+TEST(PathTruth, CIE_5_7_LightReflectedByAWallBehindABox) {
+  SceneDescription description;
+  test::add_diffuse(description, "wall", test::quad(V3f(0.0f), z * 3.0f, x * 4.0f), C3f(reflectance));
+  test::add_diffuse(description, "floor", horizontal(0, V2f(0), V2f(4, 2.5f), true), C3f(reflectance));
+  test::add_diffuse(description, "reflector", test::quad(y * 4.0f, x * 4.0f, z * 3.0f), C3f(0.3f));
+  test::add_box(description, "box", V3f(0, 2.5f, 0), V3f(4, 2.7f, 1), one_sided("black", Diffuse{C3f(0.0f)}));
+  // From behind and above the wall, so that it shines on all of the reflector and on nothing else.
+  const float slant = std::sqrt(0.5f);
+  description.punctual_lights.emplace_back(DirectionalLight{V3f(0, slant, -slant), C3f(1000.0f / slant)});
+  const Scene scene(description);
+  // Sun, reflector, receiver, camera.
+  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, {3, 5, false});
+  const auto check = [&](const V3f& normal, const Reading& reading) {
+    const double lux = illuminance(*path, reading.position, normal, 1 << 16);
+    EXPECT_NEAR(100.0 * lux / (1000.0 * 0.3), reading.lux, 5e-3 * reading.lux) << reading.position;
+  };
+  for (const Reading& reading : {Reading{{2, 0, 2.75f}, 16.0706},
+                                 {{2, 0, 2.25f}, 16.3297},
+                                 {{2, 0, 1.75f}, 15.3988},
+                                 {{2, 0, 1.25f}, 13.3220},
+                                 {{2, 0, 0.75f}, 10.3169},
+                                 {{2, 0, 0.25f}, 7.0790}})
+    check(y, reading);
+  for (const Reading& reading : {Reading{{2, 0.25f, 0}, 3.3823},
+                                 {{2, 0.75f, 0}, 3.6290},
+                                 {{2, 1.25f, 0}, 3.0130},
+                                 {{2, 1.75f, 0}, 0.0},
+                                 {{2, 2.25f, 0}, 0.0}})
+    check(z, reading);
 }
 
 // A cube of 4 m around a lamp of 10000 lm: direct light; and the mean of all light, flux / (S (1 - rho)).
