@@ -35,6 +35,7 @@ struct PathSample {
   Ray ray;  ///< direction of unit length
   Sampler sampler;
   Seen seen{};
+  float reach = infinity_f;  ///< what lies further along the ray is not seen
 };
 
 /// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct

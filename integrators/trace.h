@@ -26,6 +26,7 @@ class Bundle {
     for (int edges = 1; live_ > 0; ++edges) {
       counts.rays += live_;
       scene_.caster().intersect({rays_.data(), live_}, hits_, kind_of_edge(edges));
+      if (edges == 1) clip();
       counts.escaped_rays += move(limits, edges, at_vertex);
       counts.shadow_rays += connected_;
       add_unoccluded();
@@ -35,6 +36,11 @@ class Bundle {
  private:
   // Camera rays are alike; what they meet scatters them.
   static Rays kind_of_edge(int edges) { return edges == 1 ? Rays::coherent : Rays::scattered; }
+  // The camera does not see what lies beyond its far clipping plane.
+  void clip() {
+    for (std::size_t i = 0; i < live_; ++i)
+      if (hits_[i].t > samples_[i].reach) hits_[i] = {};
+  }
   // Takes every live path through the vertex at the end of its edge; those that go on move up in the arrays.
   // The number of paths that escaped.
   template <class AtVertex>

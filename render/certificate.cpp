@@ -43,8 +43,10 @@ Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, 
   for (std::uint32_t i = begin; i < end; ++i) {
     Sampler sampler(job.seed ^ own_seeds, batch, i);
     const V2f u = sampler.next_2d();
-    const V2f at(u.x * static_cast<float>(job.width), u.y * static_cast<float>(job.height));
-    samples.push_back({job.camera.ray(at), sampler});
+    const V2f at(static_cast<float>(job.corner.x) + u.x * static_cast<float>(job.width),
+                 static_cast<float>(job.corner.y) + u.y * static_cast<float>(job.height));
+    const CameraRay seen = job.camera.has_lens() ? job.camera.ray(at, sampler.next_2d()) : job.camera.ray(at);
+    samples.push_back({seen.ray, sampler, {}, seen.reach});
   }
   std::vector<PathSample> same = samples;
   Sums sums;

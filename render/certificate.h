@@ -13,7 +13,8 @@ struct CertificateJob {
   const Integrator& biased;
   const Integrator& unbiased;
   const Camera& camera;
-  int width = 0, height = 0;
+  int width = 0, height = 0;  ///< of the part of the picture that was rendered
+  V2i corner{0, 0};           ///< and where it begins
   std::uint32_t seed = 0;
   double most_rays = 0.0;      ///< about as many, of all kinds; a pilot of 2048 samples is cast in any case
   double close_enough = 1e-3;  ///< no more samples than this half width of the interval seems to need

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "integrators/make_integrator.h"
+#include "render/load/load.h"
 
 namespace twopass {
 
@@ -16,10 +17,6 @@ struct SceneNeeds {
   bool see_through = false;         ///< light passes straight through some surface: a mask
 };
 SceneNeeds needs_of(const SceneDescription& scene);
-
-struct Skipped {
-  std::string what, why;
-};
 
 /// Which passes will run for one render.
 struct Plan {

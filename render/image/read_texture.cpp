@@ -10,6 +10,7 @@
 #include "render/core/error.h"
 #include "render/image/exr.h"
 #include "render/image/oiio_loader.h"
+#include "render/image/regular_file.h"
 
 namespace twopass {
 
@@ -167,11 +168,7 @@ bool is_exr(const fs::path& path) {
 }  // namespace
 
 ReadTexture read_texture(const fs::path& path, const TexelOptions& options) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (!fs::exists(status)) throw Error(path.string(), "there is no such file", "check the name");
-  if (!fs::is_regular_file(status))
-    throw Error(path.string(), "it is not a regular file", "give the name of a file");
+  check_regular_file(path);
   if (is_exr(path)) return read_exr_texture(path, options);
   return read_source({path.c_str(), nullptr, 0}, options, path.string());
 }

@@ -9,13 +9,13 @@
 namespace twopass {
 
 LoadedScene load_scene(const std::filesystem::path& path, const Definitions& definitions,
-                       const TextureOptions& textures) {
+                       const TextureOptions& textures, bool ignore_unsupported) {
   // A folder called "x.obj" or "x" is first of all a folder; say that before talking about extensions.
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
     throw Error(path.string(), "this is a folder", "name a scene file in it");
   const std::string extension = lower_case(path.extension().string());
-  if (extension == ".xml") return load_mitsuba_scene(path, definitions, textures);
+  if (extension == ".xml") return load_mitsuba_scene(path, definitions, textures, ignore_unsupported);
   const bool is_obj = extension == ".obj", is_gltf = extension == ".gltf" || extension == ".glb";
   if ((is_obj || is_gltf) && !definitions.empty())
     throw Error("-D " + definitions.begin()->first, "only Mitsuba's scenes have parameters", "leave it out");

@@ -3,11 +3,11 @@
 #include "render/core/error.h"
 #include "render/load/mesh_colors.h"
 #include "render/load/mitsuba_bsdfs.h"
-#include "render/load/mitsuba_clip.h"
 #include "render/load/mitsuba_emitters.h"
 #include "render/load/mitsuba_expand.h"
 #include "render/load/mitsuba_instances.h"
 #include "render/load/mitsuba_properties.h"
+#include "render/load/mitsuba_references.h"
 #include "render/load/mitsuba_sensor.h"
 #include "render/load/mitsuba_shapes.h"
 #include "render/load/shape_group.h"
@@ -29,7 +29,6 @@ class SceneReader {
     for (const XmlNode& node : tree_.root.children)
       if (node.tag != "shape") read(node);
     read_shapes();
-    if (loaded_.scene.camera) note_clipping(loaded_.scene, clip_, notes_);
     texture_files_.report(notes_);
     loaded_.notes = notes_.lines();
     return std::move(loaded_);
@@ -53,8 +52,16 @@ class SceneReader {
     else if (node.tag != "spectrum" && node.tag != "film" && node.tag != "sampler" && node.tag != "rfilter" &&
              node.tag != "texture")
       // Those five are read where something refers to them.
-      throw Error(node.where(), "<" + node.tag + "> is not supported",
-                  "a scene holds: bsdf, emitter, integrator, sensor, shape");
+      refuse(node);
+  }
+
+  [[noreturn]] static void refuse(const XmlNode& node) {
+    const std::string* type = node.find("type");
+    std::string remedy = "a scene holds: bsdf, emitter, integrator, sensor, shape";
+    if (const std::string_view advice = advice_on(node.tag, type ? *type : ""); !advice.empty())
+      remedy.append("; ").append(advice).append("; --ignore-unsupported renders what is left");
+    throw Unsupported({node.tag, type ? *type : "", ""}, node.where(), "<" + node.tag + "> is not supported",
+                      remedy);
   }
 
   void read_sensor(const XmlNode& node) {
@@ -62,7 +69,7 @@ class SceneReader {
       notes_.add(node.where() + ": the scene has several sensors; the first one is used");
       return;
     }
-    loaded_.scene.camera = read_mitsuba_sensor(node, tree_, loaded_.settings, clip_, notes_);
+    loaded_.scene.camera = read_mitsuba_sensor(node, tree_, loaded_.settings, notes_);
   }
 
   void read_integrator(const XmlNode& node) {
@@ -155,7 +162,6 @@ class SceneReader {
   TextureFiles texture_files_;
   MitsubaTextures textures_;
   MitsubaMaterials materials_;
-  ClipPlanes clip_;
   const XmlNode* integrator_ = nullptr;
   const XmlNode* environment_ = nullptr;
   std::vector<MitsubaInstance> instances_;  // in the order of the file
@@ -164,9 +170,23 @@ class SceneReader {
 }  // namespace
 
 LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
-                               const TextureOptions& textures) {
-  const MitsubaTree tree = read_mitsuba(path, definitions);
-  return SceneReader(tree, textures).run();
+                               const TextureOptions& textures, bool ignore_unsupported) {
+  // Whatever proves to be unsupported is left out of the next attempt. There are few kinds of features, and
+  // nearly all are met before the first mesh is read.
+  LeftOut left_out;
+  for (;;) {
+    try {
+      left_out.restart();
+      const MitsubaTree tree = read_mitsuba(path, definitions, &left_out);
+      check_references(tree);
+      LoadedScene loaded = SceneReader(tree, textures).run();
+      loaded.left_out = left_out.list();
+      return loaded;
+    } catch (const Unsupported& error) {
+      if (!ignore_unsupported) throw;
+      left_out.add(error);
+    }
+  }
 }
 
 }  // namespace twopass

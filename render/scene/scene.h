@@ -111,7 +111,8 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
   V3f normal, shading_normal;  // of the front
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     const auto p = corners(*mesh, hit.primitive);
-    point.position = p[0] * (1.0f - hit.u - hit.v) + p[1] * hit.u + p[2] * hit.v;
+    const float w = 1.0f - hit.u - hit.v;
+    point.position = p[0] * w + p[1] * hit.u + p[2] * hit.v;
     const Face& face = faces_[hit.shape][hit.primitive];
     normal = face.normal;
     point.offset = face.offset;

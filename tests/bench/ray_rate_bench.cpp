@@ -57,8 +57,10 @@ const Scene& scene() { return bench_scene(cornell_box).scene; }
 Ray camera_ray(const Camera& camera, std::uint32_t pixel, Sampler& sampler) {
   const std::uint32_t tile = pixel / 256 * 16 + pixel / 4096 * 5, in_tile = pixel % 256;
   const V2f u = sampler.next_2d();
-  return camera.ray({static_cast<float>(tile % 32 * 16 + in_tile % 16) + u.x,
-                     static_cast<float>(tile / 32 % 32 * 16 + in_tile / 16) + u.y});
+  return camera
+      .ray({static_cast<float>(tile % 32 * 16 + in_tile % 16) + u.x,
+            static_cast<float>(tile / 32 % 32 * 16 + in_tile / 16) + u.y})
+      .ray;
 }
 
 struct Query {

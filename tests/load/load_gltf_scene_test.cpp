@@ -167,7 +167,7 @@ TEST_F(LoadGltfScene, CamerasLookAlongMinusZ) {
   ASSERT_TRUE(loaded.scene.camera);
   EXPECT_TRUE(has_note(loaded, "the first of its 2 cameras is used"));
   const Camera camera(*loaded.scene.camera, 200, 100);
-  const auto at = [&](float x, float y) { return camera.ray({x, y}); };
+  const auto at = [&](float x, float y) { return camera.ray({x, y}).ray; };
   expect_near(at(100, 50).origin, {1, 2, 3});
   expect_near(at(100, 50).direction, {-1, 0, 0});  // -z, turned by 90 degrees around y
   EXPECT_LT(at(200, 50).direction.z, 0.0f);        // the right edge sees the node's +x, which is -z now

@@ -65,7 +65,7 @@ struct CoarseRoom {
       for (std::uint32_t i = 0; i < samples / batches; ++i) {
         Sampler sampler(seed, batch, i);
         const V2f u = sampler.next_2d();
-        traced.push_back({camera.ray({u.x * width, u.y * height}), sampler});
+        traced.push_back({camera.ray({u.x * width, u.y * height}).ray, sampler});
       }
       integrator.trace(traced, counts);
       for (const PathSample& sample : traced) sum += mean_component(sample.seen.radiance);

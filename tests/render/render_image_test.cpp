@@ -63,6 +63,70 @@ TEST(RenderImage, SameBytesOnAnyNumberOfThreads) {
   EXPECT_NE(images[0].pixels, other.resolve().pixels);
 }
 
+// A part of the picture is what the whole has there, to the bit: through a pinhole and through a lens.
+TEST(RenderImage, APartIsTheSameAsInTheWhole) {
+  const Scene scene(test::unit_room(C3f(0.7f), C3f(1.0f), C3f(0.7f)));
+  const PathTracer path(scene, {});
+  for (const double aperture : {0.0, 0.1}) {
+    CameraDescription lens = description;
+    lens.aperture_radius = aperture;
+    const Camera camera(lens, 50, 40);
+    Film whole(50, 40), part(20, 10);
+    const SamplingGoal goal{4, 0, 0};
+    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}}, whole);
+    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}, V2i(17, 25)}, part);
+    for (int y = 0; y < 10; ++y)
+      for (int x = 0; x < 20; ++x) ASSERT_EQ(part.pixel(x, y).mean(), whole.pixel(x + 17, y + 25).mean());
+  }
+}
+
+// What lies before the near and beyond the far clipping plane is not seen, but it lights and shades.
+TEST(RenderImage, ClippingPlanesCut) {
+  const Scene scene(test::unit_room(C3f(0.7f), C3f(1.0f), C3f(0.7f)));
+  const PathTracer path(scene, {});
+  const auto alpha = [&](double near_clip, double far_clip) {
+    CameraDescription clipped = description;  // looks along +y; the far wall is at depth 0.9
+    clipped.near_clip = near_clip;
+    clipped.far_clip = far_clip;
+    Film film(1, 1);
+    render_image({path, Camera(clipped, 1, 1), box_filter(1e-3f), {4, 0, 0}, 1, SamplerKind::sobol, {}}, film);
+    return film.pixel(0, 0).mean_alpha();
+  };
+  EXPECT_EQ(alpha(0.0, infinity_f), 1.0);
+  EXPECT_EQ(alpha(0.01, 0.91), 1.0);
+  EXPECT_EQ(alpha(0.01, 0.89), 0.0);
+  EXPECT_EQ(alpha(0.91, 1e4), 0.0);
+}
+
+// Pixels beside a bright edge are negative under kernels with negative lobes; the goal of noise is met all the
+// same.
+TEST(RenderImage, NegativePixelsAndNoiseGoals) {
+  class Edge final : public Integrator {
+   public:
+    void trace(std::span<PathSample> samples, RayCounts& counts) const override {
+      counts.rays += samples.size();
+      for (PathSample& sample : samples) {
+        const float noise = 0.5f + sample.sampler.next_1d();
+        sample.seen = {sample.ray.direction.x > 0.003f ? C3f(50.0f * noise) : C3f(0.0f), 1.0f};
+      }
+    }
+  };
+  Film film(24, 24);
+  const Camera camera(description, 24, 24);
+  const RenderOutcome outcome =
+      render_image({Edge(), camera, lanczos_filter(), {0, 0, 0.05}, 1, SamplerKind::sobol, {}}, film);
+  EXPECT_EQ(outcome.stop_reason, "noise");
+  EXPECT_LE(film.relative_error(), 0.05);
+  double least = 0.0;
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 24; ++x) {
+      least = std::min(least, film.pixel(x, y).mean().x);
+      ASSERT_TRUE(std::isfinite(film.pixel(x, y).mean().x));
+      ASSERT_GE(film.pixel(x, y).mean_alpha(), 0.999);
+    }
+  EXPECT_LT(least, -0.5);
+}
+
 TEST(RenderImage, NoiseGoalStopsAtTheErrorItPromises) {
   Film film(32, 32);
   const Synthetic noisy(2.0f);
