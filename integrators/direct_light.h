@@ -1,9 +1,8 @@
 // Direct light at a vertex by next-event estimation, weighed against scattered rays.
 #pragma once
 
-#include <optional>
-
 #include "integrators/integrator.h"
+#include "radiosity/guide.h"
 
 namespace twopass {
 
@@ -14,24 +13,10 @@ inline float power_heuristic(float own, float other) {
   return 1.0f / (1.0f + ratio * ratio);
 }
 
-/// The scattering model's own.
-class ScatteredDirections {
- public:
-  /// `wo`: local, unit. REQUIRES: the model outlives this.
-  ScatteredDirections(const Bsdf& bsdf, const V3f& wo) : bsdf_(bsdf), wo_(wo) {}
-  [[nodiscard]] std::optional<BsdfSample> sample(const V2f& u) const { return twopass::sample(bsdf_, wo_, u); }
-  /// Of a direction, in the world and local.
-  [[nodiscard]] float pdf_w(const V3f&, const V3f& wi) const { return twopass::pdf_w(bsdf_, wo_, wi); }
-
- private:
-  const Bsdf& bsdf_;
-  V3f wo_;
-};
-
 /// A light sample that waits for its shadow ray.
 struct Connection {
   Segment segment;  ///< from the surface to the light, clear of both
-  C3f radiance;     ///< what the light adds if nothing is in between
+  C3f radiance;     ///< what the light adds if nothing is in between; black: no ray is needed
 };
 
 /// A vertex as the lights see it.
@@ -49,27 +34,38 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
   return cosine * unperturbed > 0.0f ? soft_terminator(point.terminator, unperturbed) : 0.0f;
 }
 
-/// One light sample at `point`, weighted against the scattered ray; its radiance is what the surface would
-/// reflect towards wo (local, unit). `directions`: what the scattered ray is drawn from. Nothing where no light
-/// can come of it. REQUIRES: the scene has lights; the surface is not purely specular.
-template <class Directions>
-std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
-                                              const V3f& wo, const Directions& directions, Sampler& sampler) {
-  const LightSample light = scene.lights().sample(receiver_at(point, bsdf), sampler.next_2d());
-  if (!(light.pdf_w > 0.0f) || is_black(light.radiance)) return std::nullopt;
+/// Who else finds the lights that next-event estimation samples.
+enum class Rival : std::uint8_t {
+  scattered_ray,  ///< the path goes on: both are weighted (I3)
+  none            ///< the path ends here
+};
+
+/// The light sample of the number u at `point`, weighted against its rival; its radiance is what the
+/// surface would reflect against `direction` (world, unit), which led to it. With a `guide`, the
+/// scattered ray is drawn from it with the probability `share` (I11). REQUIRES: the scene has lights; the
+/// surface is not purely specular.
+inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
+                                      const V3f& direction, Rival rival, const V2f& u,
+                                      const Guide::Lobe* guide = nullptr, float share = 0.0f) {
+  const Connection nothing{{V3f(0.0f), V3f(0.0f)}, C3f(0.0f)};
+  const LightSample light = scene.lights().sample(receiver_at(point, bsdf), u);
+  if (!(light.pdf_w > 0.0f)) return nothing;
   const V3f wi = point.shading.to_local(light.direction);
   const float reached = agreement_of_normals(point, light.direction, wi.z);
-  if (reached == 0.0f) return std::nullopt;
-  const C3f scattered = eval(bsdf, wo, wi) * reached;
-  if (is_black(scattered)) return std::nullopt;
-  float weight = 1.0f / light.pdf_w;
-  if (!light.is_delta) {
-    // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-    const float other = directions.pdf_w(light.direction, wi);
-    weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
-  }
-  return Connection{{spawn_position(point, light.direction), light.position},
-                    scattered * light.radiance * weight};
+  if (reached == 0.0f) return nothing;
+  const C3f radiance = visit_model(bsdf, [&](const auto& model) {
+    // Inside, because Lambert's model does not look at it.
+    const V3f wo = point.shading.to_local(-direction);
+    float weight = 1.0f / light.pdf_w;
+    if (!light.is_delta && rival == Rival::scattered_ray) {
+      // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
+      float other = model.pdf_w(wo, wi);
+      if (guide) other = share * guide->pdf_w(light.direction) + (1.0f - share) * other;
+      weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
+    }
+    return C3f(model.eval(wo, wi) * light.radiance * (reached * weight));
+  });
+  return {{spawn_position(point, light.direction), light.position}, radiance};
 }
 
 }  // namespace twopass

@@ -9,12 +9,11 @@ namespace twopass {
 /// density of both together (I11), so that its weight stays bounded where the guide is wrong.
 class GuidedDirections {
  public:
-  /// REQUIRES: model and shading frame outlive this; share 0 if the guide is empty.
+  /// REQUIRES: model, shading frame and guide outlive this; the guide is not empty; share in (0, 1].
   GuidedDirections(const Bsdf& bsdf, const V3f& wo, const Frame& shading, const Guide::Lobe& guide, float share)
       : bsdf_(bsdf), wo_(wo), shading_(shading), guide_(guide), share_(share) {}
 
   [[nodiscard]] std::optional<BsdfSample> sample(V2f u) const {
-    if (share_ == 0.0f) return twopass::sample(bsdf_, wo_, u);
     if (share_ == 1.0f || choose(u.x, share_)) {
       const Guide::Lobe::Direction drawn = guide_.sample(u);
       const V3f wi = shading_.to_local(drawn.direction);
@@ -34,9 +33,6 @@ class GuidedDirections {
     drawn->weight *= own / drawn->pdf_w;
     return drawn;
   }
-  [[nodiscard]] float pdf_w(const V3f& direction, const V3f& wi) const {
-    return share_ == 0.0f ? twopass::pdf_w(bsdf_, wo_, wi) : mixed(guide_.pdf_w(direction), wi);
-  }
 
  private:
   [[nodiscard]] float mixed(float of_guide, const V3f& wi) const {
@@ -46,7 +42,7 @@ class GuidedDirections {
   const Bsdf& bsdf_;
   V3f wo_;
   const Frame& shading_;
-  Guide::Lobe guide_;
+  const Guide::Lobe& guide_;
   float share_;
 };
 

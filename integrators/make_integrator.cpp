@@ -8,10 +8,11 @@
 namespace twopass {
 
 std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const PathLimits& limits, const Guide* guide) {
+                                            const IndirectField* field, const PathLimits& limits,
+                                            const Guide* guide) {
   switch (kind) {
     case IntegratorKind::two_pass:
-      return std::make_unique<TwoPass>(scene, solution, limits);
+      return std::make_unique<TwoPass>(scene, solution, field, limits);
     case IntegratorKind::unbiased:
       return std::make_unique<Unbiased>(scene, solution, guide, limits);
     case IntegratorKind::radiosity:

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "integrators/integrator.h"
+#include "radiosity/indirect_field.h"
 #include "radiosity/solution.h"
 #include "render/core/names.h"
 
@@ -32,9 +33,16 @@ inline bool reads_solution(IntegratorKind kind) {
 /// camera's ray and the look-up.
 inline int edges_to_solution(IntegratorKind kind) { return kind == IntegratorKind::radiosity ? 2 : 3; }
 
-/// REQUIRES: scene, solution and guide outlive the integrator. `solution` may be null: the pass was skipped;
-/// `guide`, too: directions are drawn without it.
+/// REQUIRES: scene, solution, field and guide outlive the integrator. `solution` may be null: the pass was
+/// skipped; `field` and `guide`, too: indirect light is gathered everywhere, directions are drawn without a
+/// guide.
 std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const PathLimits& limits, const Guide* guide = nullptr);
+                                            const IndirectField* field, const PathLimits& limits,
+                                            const Guide* guide = nullptr);
+/// The same without field and guide.
+inline std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene,
+                                                   const Solution* solution, const PathLimits& limits) {
+  return make_integrator(kind, scene, solution, nullptr, limits);
+}
 
 }  // namespace twopass

@@ -9,7 +9,6 @@
 namespace twopass {
 
 class Guide;
-class Walk;
 
 class Unbiased final : public Integrator {
  public:
@@ -21,8 +20,6 @@ class Unbiased final : public Integrator {
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
-  bool at_vertex(Walk& walk) const;
-
   const Scene& scene_;
   const Solution* solution_;
   const Guide* guide_;

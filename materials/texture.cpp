@@ -25,9 +25,10 @@ int wrapped(int i, int size, TextureWrap wrap) {
   return i < size ? i : period - 1 - i;
 }
 
-// Extent of a footprint along the texture's own coordinates.
+// Extent of a footprint along the texture's own coordinates; at least, where these are turned.
 V2f extent_of(const UvTransform& m, const V2f& footprint) {
-  return {std::hypot(m.a * footprint.x, m.b * footprint.y), std::hypot(m.d * footprint.x, m.e * footprint.y)};
+  return {std::max(std::abs(m.a) * footprint.x, std::abs(m.b) * footprint.y),
+          std::max(std::abs(m.e) * footprint.y, std::abs(m.d) * footprint.x)};
 }
 
 // The coarsest level whose texels are no larger than the footprint, along the shorter of its sides (M31).
@@ -93,14 +94,30 @@ C3f color_of(const Bitmap& bitmap, const TexturePoint& at) {
   if (bitmap.filter == TextureFilter::nearest) {
     const V2i size = bitmap.image->size(level);
     const V2f texel = texel_coordinates(bitmap, size, at.uv);
-    return adjusted(bitmap.scale, bitmap.image->texel(
-                                   level, wrapped(static_cast<int>(std::floor(texel.x)), size.x, bitmap.wrap_u),
-                                   wrapped(static_cast<int>(std::floor(texel.y)), size.y, bitmap.wrap_v)));
+    return adjusted(
+        bitmap.scale,
+        bitmap.image->texel(level, wrapped(static_cast<int>(std::floor(texel.x)), size.x, bitmap.wrap_u),
+                            wrapped(static_cast<int>(std::floor(texel.y)), size.y, bitmap.wrap_v)));
   }
   const Patch p = patch_at(bitmap, level, at.uv);
   const TexelPatch& t = p.texels;
   const C3f upper = t.c00 * (1.0f - p.x) + t.c10 * p.x, lower = t.c01 * (1.0f - p.x) + t.c11 * p.x;
   return adjusted(bitmap.scale, upper * (1.0f - p.y) + lower * p.y);
+}
+
+// The tile at a point; an edge between two belongs to the first. Null: there is none.
+const Bitmap* tile_at(const Udim& udim, const V2f& uv) {
+  const V2f at = udim.to_uv(uv);
+  const float column = std::max(std::ceil(at.x) - 1.0f, 0.0f),
+              row = std::max(std::ceil(1.0f - at.y) - 1.0f, 0.0f);
+  if (!(column < 10.0f && row < 1e6f)) return nullptr;
+  const std::size_t number = static_cast<std::size_t>(row) * 10 + static_cast<std::size_t>(column);
+  return number < udim.tiles.size() && udim.tiles[number].image ? &udim.tiles[number] : nullptr;
+}
+
+C3f color_of(const Udim& udim, const TexturePoint& at) {
+  const Bitmap* tile = tile_at(udim, at.uv);
+  return tile ? color_of(*tile, at) : C3f(0.0f);
 }
 
 C3f color_of(const MeshColors& colors, const TexturePoint& at) {
@@ -134,6 +151,7 @@ float number_at(const Texture& texture, const TexturePoint& at) {
 
 V2f gradient_at(const Texture& texture, const TexturePoint& at) {
   const auto* bitmap = std::get_if<Bitmap>(&texture);
+  if (const auto* udim = std::get_if<Udim>(&texture)) bitmap = tile_at(*udim, at.uv);
   if (!bitmap || bitmap->filter == TextureFilter::nearest) return {0.0f, 0.0f};
   const int level = level_for(*bitmap, at.footprint);
   const V2i size = bitmap->image->size(level);
@@ -151,10 +169,24 @@ C3f mean_color(const Texture& texture) {
   if (const auto* color = std::get_if<C3f>(&texture)) return *color;
   if (const auto* checkerboard = std::get_if<Checkerboard>(&texture))
     return (checkerboard->color0 + checkerboard->color1) * 0.5f;
+  const auto mean = [](const Bitmap& bitmap) { return adjusted(bitmap.scale, bitmap.image->mean()); };
+  if (const auto* bitmap = std::get_if<Bitmap>(&texture)) return mean(*bitmap);
   if (const auto* colors = std::get_if<MeshColors>(&texture))
     return colors->values ? adjusted(colors->scale, colors->values->mean) : C3f(0.0f);
-  const Bitmap& bitmap = std::get<Bitmap>(texture);
-  return adjusted(bitmap.scale, bitmap.image->mean());
+  C3f sum(0.0f);
+  float count = 0.0f;
+  for (const Bitmap& tile : std::get<Udim>(texture).tiles)
+    if (tile.image) {
+      sum += mean(tile);
+      count += 1.0f;
+    }
+  return count > 0.0f ? sum / count : sum;
+}
+
+float aspect_of(const Texture& texture) {
+  const auto* bitmap = std::get_if<Bitmap>(&texture);
+  return bitmap ? static_cast<float>(bitmap->image->width()) / static_cast<float>(bitmap->image->height())
+                : 1.0f;
 }
 
 float mean_number(const Texture& texture) { return grey(mean_color(texture)); }
@@ -165,11 +197,12 @@ Texture scaled(Texture texture, const TexelScale& scale) {
   } else if (auto* checkerboard = std::get_if<Checkerboard>(&texture)) {
     checkerboard->color0 = adjusted(scale, checkerboard->color0);
     checkerboard->color1 = adjusted(scale, checkerboard->color1);
+  } else if (auto* bitmap = std::get_if<Bitmap>(&texture)) {
+    bitmap->scale = combined(bitmap->scale, scale);
   } else if (auto* colors = std::get_if<MeshColors>(&texture)) {
     colors->scale = combined(colors->scale, scale);
   } else {
-    Bitmap& bitmap = std::get<Bitmap>(texture);
-    bitmap.scale = combined(bitmap.scale, scale);
+    for (Bitmap& tile : std::get<Udim>(texture).tiles) tile.scale = combined(tile.scale, scale);
   }
   return texture;
 }

@@ -58,11 +58,19 @@ struct TexelScale {
 
 /// An image; its first row lies at v = 0.
 struct Bitmap {
-  std::shared_ptr<const TextureImage> image;  ///< never null
+  std::shared_ptr<const TextureImage> image;  ///< never null but in Udim
   TextureFilter filter = TextureFilter::bilinear;
   TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
   UvTransform to_uv{};
   std::optional<TexelScale> scale{};
+};
+
+/// Images side by side, one for each unit square of the texture coordinates, as their names tell by number
+/// (UDIM): 1001 is that of the first row and column, each further column adds 1, up to ten, each row 10. Rows
+/// count upwards, against our v: 1001 has v from 0 to 1, 1011 from -1 to 0. Black where there is none.
+struct Udim {
+  UvTransform to_uv{};
+  std::vector<Bitmap> tiles;  ///< by number - 1001; to_uv of each leads to its own square; `image` may be null
 };
 
 /// Colours that are stored with a mesh, linear on each triangle between those of its corners.
@@ -77,7 +85,7 @@ struct MeshColors {
 };
 
 /// A colour, the same everywhere, or one of the above. Where a number is wanted, it is the colour's luminance.
-using Texture = std::variant<C3f, Checkerboard, Bitmap, MeshColors>;
+using Texture = std::variant<C3f, Checkerboard, Bitmap, Udim, MeshColors>;
 
 /// The mean colour around a point, or the colour there. Coordinates that are not finite read as 0.
 C3f color_at(const Texture& texture, const TexturePoint& at);
@@ -91,6 +99,8 @@ V2f gradient_at(const Texture& texture, const TexturePoint& at);
 C3f mean_color(const Texture& texture);
 /// The same where a number is wanted.
 float mean_number(const Texture& texture);
+/// Width over height of the picture; 1 of textures that are none.
+float aspect_of(const Texture& texture);
 /// factor * texture + offset, limited to [lowest, highest].
 Texture scaled(Texture texture, const TexelScale& scale);
 inline bool is_constant(const Texture& texture) { return std::holds_alternative<C3f>(texture); }

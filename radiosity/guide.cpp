@@ -40,7 +40,7 @@ Interval interval_of(const std::uint16_t* cumulative, int bin) {
   return {begin, end - begin};
 }
 
-// Bins are of equal area on the square and the square's density is cosine / pi (R39).
+// Bins are of equal area on the square and the square's density is cosine / pi (R41).
 float density(const Interval& row, const Interval& column, float cosine) {
   constexpr float scale = static_cast<float>(bins) / (whole * whole);
   return row.width * column.width * scale * cosine_hemisphere_pdf_w(cosine);
@@ -191,7 +191,7 @@ class Guide::Builder {
                                                  first_[cell + 1] - first_[cell]);
     const std::vector<C3f> radiance = radiances_at(cell, members, rays);
     // The mean square of the radiance that arrives from each bin, each channel in units of its mean: what
-    // matters in a picture is relative (R40).
+    // matters in a picture is relative (R42).
     C3d mean(0.0);
     for (const C3f& r : radiance) mean += C3d(r);
     if (is_black(C3f(mean))) {

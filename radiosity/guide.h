@@ -21,7 +21,7 @@ struct GuideOptions {
 };
 
 /// For each cell (the elements of one cube of space that face nearly the same way) a histogram of the radiance
-/// that arrives from surfaces, over the hemisphere as a square (R39): equal areas have equal cosine-weighted
+/// that arrives from surfaces, over the hemisphere as a square (R41): equal areas have equal cosine-weighted
 /// solid angle, so the densities are those of radiance times cosine. Light straight from emitters and sky is
 /// left out, for next-event estimation finds it. Const and thread-safe once built.
 class Guide {

@@ -38,6 +38,7 @@ class PixelGroup {
           {static_cast<float>(pixel.x) + 0.5f + at.offset.x, static_cast<float>(pixel.y) + 0.5f + at.offset.y},
           lens);
       samples_.push_back({seen.ray, sampler, {}, seen.reach});
+      if (job_.cone.is_open()) samples_.back().cone = job_.cone;
       weights_.push_back(at.weight);
     }
   }

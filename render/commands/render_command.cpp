@@ -157,6 +157,9 @@ std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& o
   const int max_reflections = max_reflections_of(settings);
   RadiosityOptions radiosity = options.radiosity.settle(settings.seed);
   radiosity.max_reflections = max_reflections;
+  if (settings.integrator == IntegratorKind::two_pass)
+    radiosity.gathered_pixels =
+        static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
   const Stopwatch stopwatch;
   Solution solution = options.solution_file.empty()
                           ? solve_radiosity(scene, radiosity)
@@ -191,7 +194,7 @@ std::optional<Certificate> run_certificate(const Scene& scene, const Solution& s
   PathLimits limits = settings.limits;
   limits.clamp_direct = limits.clamp_indirect = infinity_f;
   const std::unique_ptr<Integrator> truth =
-      make_integrator(IntegratorKind::unbiased, scene, &solution, limits, guide);
+      make_integrator(IntegratorKind::unbiased, scene, &solution, nullptr, limits, guide);
   return certify({.biased = integrator,
                   .unbiased = *truth,
                   .camera = camera,
@@ -200,6 +203,27 @@ std::optional<Certificate> run_certificate(const Scene& scene, const Solution& s
                   .corner = settings.window.corner,
                   .seed = settings.seed,
                   .most_rays = rays});
+}
+
+// What the picture may look up instead of gathering. Its time and rays are part of pass one.
+std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* solution,
+                                           const Settings& settings, const Plan& plan, const Console& console,
+                                           RenderStatistics& statistics) {
+  if (!plan.indirect_field) return std::nullopt;
+  const Stopwatch stopwatch;
+  IndirectFieldOptions field_options;
+  field_options.seed = settings.seed;
+  IndirectField field(scene, *solution, field_options);
+  const Elapsed elapsed = stopwatch.elapsed();
+  statistics.radiosity_time.seconds += elapsed.seconds;
+  statistics.radiosity_time.cpu_seconds += elapsed.cpu_seconds;
+  statistics.radiosity->rays += field.rays();
+  char text[120];
+  std::snprintf(text, sizeof text,
+                "indirect light: looked up on %.0f %% of the area, gathered elsewhere, %.2f s",
+                100.0 * field.trusted_share(), elapsed.seconds);
+  console.note(text);
+  return field;
 }
 
 ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
@@ -289,16 +313,20 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 
   const std::optional<Solution> solution = run_radiosity(scene, options, settings, plan, console, s);
 
+  const std::optional<IndirectField> field =
+      prepare_field(scene, solution ? &*solution : nullptr, settings, plan, console, s);
+
   stopwatch = Stopwatch();
-  Film film(settings.width, settings.height);
   std::optional<Guide> guide;
   if (solution && is_guided(settings.integrator)) guide.emplace(scene, *solution);
-  const std::unique_ptr<Integrator> integrator = make_integrator(
-      settings.integrator, scene, solution ? &*solution : nullptr, settings.limits, guide ? &*guide : nullptr);
   Film film(settings.window.size.x, settings.window.size.y);
   const std::unique_ptr<Integrator> integrator =
-      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, settings.limits);
+      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, field ? &*field : nullptr,
+                      settings.limits, guide ? &*guide : nullptr);
   const Camera camera(camera_description, settings.width, settings.height);
+  const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
+                                                          settings.goal.samples_per_pixel)
+                                            : RayCone{};
   {
     Progress progress(console, "rendering");
     s.outcome = render_image({.integrator = *integrator,
@@ -307,6 +335,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                               .goal = settings.goal,
                               .seed = settings.seed,
                               .sampler = settings.sampler,
+                              .cone = cone,
                               .report_progress = [&](double fraction) { progress.update(fraction); },
                               .corner = settings.window.corner},
                              film);
@@ -315,6 +344,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     s.bias =
         run_certificate(scene, *solution, *integrator, guide ? &*guide : nullptr, camera, settings, s.outcome);
   s.render = stopwatch.elapsed();
+  note_tiled_textures(console, loaded.tiled_textures);
 
   s.scene_file = options.scene.file;
   s.count(scene);

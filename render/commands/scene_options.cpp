@@ -43,6 +43,21 @@ void SceneOptions::add_to(CLI::App& command) {
       ->allow_extra_args(false);
   command.add_flag("--ignore-unsupported", ignore_unsupported,
                    "Leave out what the scene asks for and we lack, and say what that is");
+  command
+      .add_option_function<std::string>(
+          "--missing-textures",
+          [this](const std::string& name) {
+            textures.missing =
+                value_of_name<MissingTextures>(missing_textures_names, name, "--missing-textures", "way");
+          },
+          "What becomes of a texture whose file is not there: error (default) or pink")
+      ->type_name("WAY");
+  command
+      .add_option(
+          "--texture-memory", textures.memory_megabytes,
+          "Memory that textures may take, MB; what does not fit is read tile by tile when it is looked at")
+      ->check(CLI::Range(16, 1 << 20))
+      ->capture_default_str();
 }
 
 void SceneOptions::add_sky_to(CLI::App& command) {
@@ -67,7 +82,7 @@ void SceneOptions::add_view_to(CLI::App& command) {
 }
 
 LoadedScene SceneOptions::load(const Console& console, Additions additions) const {
-  LoadedScene loaded = load_scene(file, parse_definitions(definitions), {}, ignore_unsupported);
+  LoadedScene loaded = load_scene(file, parse_definitions(definitions), textures, ignore_unsupported);
   for (const Skipped& entry : loaded.left_out) console.note("left out: " + entry.what + " (" + entry.why + ")");
   for (const std::string& note : loaded.notes) console.note(note);
   SceneDescription& scene = loaded.scene;
@@ -92,6 +107,17 @@ LoadedScene SceneOptions::load(const Console& console, Additions additions) cons
   }
   if (wants_sky || wants_camera) console.note(file + ": " + addition_text(wants_sky, wants_camera));
   return loaded;
+}
+
+void note_tiled_textures(const Console& console, std::span<const TiledTexture> textures) {
+  for (const TiledTexture& texture : textures) {
+    if (const auto tiles = texture.image->unreadable_tiles(); tiles > 0)
+      console.note(texture.name + ": " + std::to_string(tiles) +
+                   " look-ups met tiles that cannot be read; they saw black");
+    if (const auto bad = texture.image->not_finite(); bad > 0)
+      console.note(texture.name + " holds " + std::to_string(bad) +
+                   " values that are NaN or infinite; they read as 0");
+  }
 }
 
 }  // namespace twopass

@@ -20,6 +20,7 @@ struct SceneOptions {
   std::vector<float> sky;  ///< R, G, B
   std::string envmap;      ///< file
   bool ignore_unsupported = false;
+  TextureOptions textures;
 
   /// What a scene that has none of it gets: a sky, and a camera that frames it.
   enum class Additions { none, light, light_and_camera };
@@ -31,5 +32,8 @@ struct SceneOptions {
   /// Loads the scene, applies the options, and says on the console what was noticed. Throws Error.
   [[nodiscard]] LoadedScene load(const Console& console, Additions additions) const;
 };
+
+/// Says what was wrong with textures that were read while rendering.
+void note_tiled_textures(const Console& console, std::span<const TiledTexture> textures);
 
 }  // namespace twopass

@@ -29,6 +29,9 @@ struct Ingredients {
 
   void add(const Texture& texture) {
     if (const auto* bitmap = std::get_if<Bitmap>(&texture)) images.insert(bitmap->image);
+    if (const auto* udim = std::get_if<Udim>(&texture))
+      for (const Bitmap& tile : udim->tiles)
+        if (tile.image) images.insert(tile.image);
   }
   void add(const MaterialNode& node) {
     if (const auto* model = std::get_if<TexturedModel>(&node.kind)) {
@@ -100,6 +103,7 @@ class Reporter {
                            {"emitters", lights},
                            {"textures", textures_.size()},
                            {"texture_pixels", texture_pixels_},
+                           {"texture_bytes", texture_bytes_},
                            {"bounds", bounds()},
                            {"camera", camera},
                            {"size", {loaded_.settings.width, loaded_.settings.height}}};
@@ -195,13 +199,14 @@ class Reporter {
         problem("material '" + material.name + "' reflects " + text_of(max_component(albedo)) +
                 " of the light: nothing real does, and interiors take long");
     }
+    Ingredients lamps;
     for (const Shape& shape : scene_.shapes)
-      if (shape.radiance_texture)
-        if (const auto* bitmap = std::get_if<Bitmap>(shape.radiance_texture.get()))
-          textures_.insert(bitmap->image);
+      if (shape.radiance_texture) lamps.add(*shape.radiance_texture);
+    textures_.insert(lamps.images.begin(), lamps.images.end());
     for (const auto& image : textures_) {
       texture_pixels_ +=
           static_cast<std::uint64_t>(image->width()) * static_cast<std::uint64_t>(image->height());
+      texture_bytes_ += image->memory();
       if (std::max(image->width(), image->height()) > huge_texture)
         problem("a texture has " + std::to_string(image->width()) + "x" + std::to_string(image->height()) +
                 " pixels");
@@ -335,7 +340,7 @@ class Reporter {
   std::vector<std::size_t> used_;  // shapes by material
   std::map<std::string, std::size_t> models_;
   std::set<std::shared_ptr<const TextureImage>> textures_;
-  std::uint64_t texture_pixels_ = 0;
+  std::uint64_t texture_pixels_ = 0, texture_bytes_ = 0;
   ordered_json problems_ = ordered_json::array(), shapes_ = ordered_json::array(),
                materials_ = ordered_json::array();
 };

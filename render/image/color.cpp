@@ -209,7 +209,7 @@ ColorSpaceTransform::ColorSpaceTransform(const std::string& color_space, const s
       known.push_back(named.config->getColorSpaceNameByIndex(i));
     throw Error(where,
                 "the OpenColorIO configuration " + named.name + " has no colour space '" + color_space + "'",
-                "use one of: " + join_names(known) + "; or choose another configuration with --ocio or $OCIO");
+                "use one of: " + join_names(known) + "; or choose another configuration with $OCIO");
   }
   try {
     impl_->processor =

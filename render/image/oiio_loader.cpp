@@ -49,6 +49,10 @@ const OiioModule& oiio_module() {
     set(module.encode, library, "twopass_oiio_encode", path);
     set(module.decode, library, "twopass_oiio_decode", path);
     set(module.stream, library, "twopass_oiio_stream", path);
+    set(module.tile_cache_limit, library, "twopass_oiio_tile_cache_limit", path);
+    set(module.open_tiles, library, "twopass_oiio_open_tiles", path);
+    set(module.tile, library, "twopass_oiio_tile", path);
+    set(module.release_tile, library, "twopass_oiio_release_tile", path);
     return module;
   }();
   return loaded;

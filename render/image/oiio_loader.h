@@ -10,6 +10,10 @@ struct OiioModule {
   TwopassOiioEncode encode;
   TwopassOiioDecode decode;
   TwopassOiioStream stream;
+  TwopassOiioTileCacheLimit tile_cache_limit;
+  TwopassOiioOpenTiles open_tiles;
+  TwopassOiioTile tile;
+  TwopassOiioReleaseTile release_tile;
 };
 
 /// The module, loaded once and for the life of the process. Throws Error when it is not there. Thread-safe.

@@ -96,8 +96,8 @@ void decode(const char* path, TwopassAllocate allocate, void* context) {
   if (spec.deep || spec.nchannels < 1) fail("it holds no flat picture");
   const std::string names = names_of_channels(spec);
   const bool is_integer = !spec.format.is_floating_point();
-  const TwopassPicture picture{spec.width,         spec.height, spec.nchannels,      names.c_str(),
-                               is_integer ? 1 : 0, 0,           twopass_sample_float};
+  const TwopassPicture picture{spec.width, spec.height, spec.nchannels,      names.c_str(), is_integer ? 1 : 0,
+                               0,          0,           twopass_sample_float};
   float* pixels = allocate(context, &picture);
   if (pixels == nullptr) fail("its size is refused");
   const bool done = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels);
@@ -121,9 +121,11 @@ void stream(const TwopassSource& source, const TwopassRowSink& sink) {
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto* bytes = static_cast<const unsigned char*>(source.bytes);
   OIIO::Filesystem::IOMemReader memory(bytes, source.size);
+  // With hints, the argument of `open` for it is not looked at.
+  OIIO::Filesystem::IOProxy* const proxy = &memory;
+  if (bytes) hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const std::unique_ptr<OIIO::ImageInput> input =
-      bytes ? OIIO::ImageInput::open(name_of_encoded(bytes, source.size), &hints, &memory)
-            : OIIO::ImageInput::open(source.path, &hints);
+      OIIO::ImageInput::open(bytes ? name_of_encoded(bytes, source.size) : source.path, &hints);
   if (!input) fail(OIIO::geterror());
   const OIIO::ImageSpec spec = input->spec();
   if (spec.deep || spec.nchannels < 1) fail("it holds no flat picture");
@@ -135,6 +137,7 @@ void stream(const TwopassSource& source, const TwopassRowSink& sink) {
                                names.c_str(),
                                spec.format.is_floating_point() ? 0 : 1,
                                spec.format == OIIO::TypeDesc::HALF ? 1 : 0,
+                               spec.tile_width > 0 ? 1 : 0,
                                is_byte ? twopass_sample_byte : twopass_sample_float};
   if (!sink.begin(sink.context, &picture)) fail("its size is refused");
   const int strip = spec.tile_width > 0 ? spec.tile_height : 64;

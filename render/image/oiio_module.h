@@ -31,6 +31,7 @@ struct TwopassPicture {
   const char* channels;
   int is_integer;
   int is_half;      ///< stored as half floats
+  int is_tiled;     ///< parts of it can be read alone
   int sample_type;  ///< TwopassSampleType
 };
 
@@ -62,4 +63,37 @@ using TwopassOiioDecode = int (*)(const char* path, TwopassAllocate allocate, Tw
 /// other samples become floats, integers scaled to [0,1]; alpha not multiplied in. `report` gets the sink's
 /// context.
 using TwopassOiioStream = int (*)(const TwopassSource* source, const TwopassRowSink* sink, TwopassSink report);
+
+/// Makes the values that a texture holds of `count` pixels of a picture. Called by any thread.
+struct TwopassTexelConverter {
+  void* context;
+  void (*convert)(void* context, const float* pixels, std::size_t count, float* values);
+  int channels;  ///< of the values
+  int as_half;   ///< the cache keeps half floats, else floats
+};
+
+/// A picture in the tile cache. `levels` have sizes as in TextureImage, whether the file has them or not.
+struct TwopassTiledPicture {
+  void* image;
+  int level_count;
+  int widths[32], heights[32];
+  int tile_widths[32], tile_heights[32];
+};
+
+/// A tile that stays in memory until it is released. Rows of `tile_width` pixels, half floats or floats.
+struct TwopassTile {
+  void* tile;
+  const void* pixels;
+};
+
+/// `twopass_oiio_tile_cache_limit`: the most memory that tiles may take, in MB.
+using TwopassOiioTileCacheLimit = void (*)(double megabytes);
+/// `twopass_oiio_open_tiles`: opens a file for reading tile by tile. `converter` must live as long as the
+/// process.
+using TwopassOiioOpenTiles = int (*)(const char* path, const TwopassTexelConverter* converter,
+                                     TwopassTiledPicture* picture, TwopassSink report, void* context);
+/// `twopass_oiio_tile`: the tile that holds pixel (x, y) of a level. 0: it cannot be read.
+using TwopassOiioTile = int (*)(void* image, int level, int x, int y, TwopassTile* tile);
+/// `twopass_oiio_release_tile`.
+using TwopassOiioReleaseTile = void (*)(void* tile);
 }

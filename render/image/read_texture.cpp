@@ -11,6 +11,7 @@
 #include "render/image/exr.h"
 #include "render/image/oiio_loader.h"
 #include "render/image/regular_file.h"
+#include "render/image/tiled_levels.h"
 
 namespace twopass {
 
@@ -44,6 +45,7 @@ class LevelWriter {
     stride_ = channels.size();
     takes_bytes_ = is_byte;
     const bool has_table = is_byte && decoder_->has_curve();
+    as_half_ = is_byte || is_half;
     if (has_table)
       for (int code = 0; code < 256; ++code)
         values_of_codes_.push_back(decoder_->value(static_cast<float>(code) / 255.0f));
@@ -57,7 +59,18 @@ class LevelWriter {
                              : level_.format == TexelFormat::half ? 2
                                                                   : 4;
     row_bytes_ = size * static_cast<std::size_t>(width) * static_cast<std::size_t>(decoder_->channels());
-    level_.bytes.resize(row_bytes_ * static_cast<std::size_t>(height));
+  }
+  /// Bytes that the texture will take, all levels.
+  [[nodiscard]] std::size_t size() const {
+    const std::size_t finest = row_bytes_ * static_cast<std::size_t>(level_.height);
+    return finest + finest * (level_.format == TexelFormat::byte ? 2 : 1) / 3;
+  }
+  void allocate() { level_.bytes.resize(row_bytes_ * static_cast<std::size_t>(level_.height)); }
+  /// The same picture, read when it is looked at.
+  [[nodiscard]] ReadTexture tiled(const fs::path& path) const {
+    return {
+        std::make_shared<const TextureImage>(std::make_unique<const TiledLevels>(path, *decoder_, as_half_)),
+        0};
   }
 
   void rows(int first, int count, const void* samples) {
@@ -101,7 +114,7 @@ class LevelWriter {
   std::string where_;
   std::optional<TexelDecoder> decoder_;
   std::size_t stride_ = 0, row_bytes_ = 0, not_finite_ = 0;
-  bool takes_bytes_ = false;
+  bool takes_bytes_ = false, as_half_ = false;
   TexelLevel level_;
   std::vector<float> values_of_codes_, stored_, values_;
 };
@@ -109,6 +122,8 @@ class LevelWriter {
 // Between the module, through which no exception may pass, and the writer.
 struct Reception {
   LevelWriter writer;
+  std::size_t most_bytes;
+  bool wants_tiles = false;
   std::string problem{};
   std::exception_ptr error{};
 
@@ -117,6 +132,13 @@ struct Reception {
     try {
       reception.writer.begin(p->width, p->height, split_lines(p->channels), p->is_integer != 0, p->is_half != 0,
                              p->sample_type == twopass_sample_byte);
+      constexpr std::int64_t few_texels = std::int64_t{1} << 20;
+      const bool is_limited = reception.most_bytes != std::numeric_limits<std::size_t>::max();
+      const bool is_large_and_tiled = p->is_tiled != 0 && std::int64_t{p->width} * p->height > few_texels;
+      reception.wants_tiles =
+          reception.writer.size() > reception.most_bytes || (is_limited && is_large_and_tiled);
+      if (reception.wants_tiles) return 0;
+      reception.writer.allocate();
       return 1;
     } catch (...) {
       reception.error = std::current_exception();
@@ -139,11 +161,13 @@ struct Reception {
   }
 };
 
-ReadTexture read_source(const TwopassSource& source, const TexelOptions& options, std::string_view where) {
-  Reception reception{LevelWriter(options, where)};
+ReadTexture read_source(const TwopassSource& source, const TexelOptions& options, std::string_view where,
+                        std::size_t most_bytes) {
+  Reception reception{LevelWriter(options, where), most_bytes};
   const TwopassRowSink sink{&reception, Reception::begin, Reception::rows};
   const bool done = oiio_module().stream(&source, &sink, Reception::report) != 0;
   if (reception.error) std::rethrow_exception(reception.error);
+  if (reception.wants_tiles) return reception.writer.tiled(source.path);
   if (!done) throw Error(where, "it cannot be read: " + reception.problem, "convert it to .png or .exr");
   return reception.writer.finish();
 }
@@ -153,6 +177,7 @@ ReadTexture read_exr_texture(const fs::path& path, const TexelOptions& options) 
   Image image = read_exr(path);
   LevelWriter writer(options, path.string());
   writer.begin(image.width, image.height, image.channels, false, false, false);
+  writer.allocate();
   writer.rows(0, image.height, image.pixels.data());
   image = {};
   return writer.finish();
@@ -167,16 +192,18 @@ bool is_exr(const fs::path& path) {
 
 }  // namespace
 
-ReadTexture read_texture(const fs::path& path, const TexelOptions& options) {
+ReadTexture read_texture(const fs::path& path, const TexelOptions& options, std::size_t most_bytes) {
   check_regular_file(path);
-  if (is_exr(path)) return read_exr_texture(path, options);
-  return read_source({path.c_str(), nullptr, 0}, options, path.string());
+  // Compressed pictures hold up to some ten times their file's size.
+  if (is_exr(path) && fs::file_size(path) < most_bytes / 16) return read_exr_texture(path, options);
+  return read_source({path.c_str(), nullptr, 0}, options, path.string(), most_bytes);
 }
 
 ReadTexture read_texture(std::span<const std::byte> encoded, const TexelOptions& options,
                          std::string_view where) {
   if (encoded.empty()) throw Error(where, "a picture of no bytes", "give another one");
-  return read_source({nullptr, encoded.data(), encoded.size()}, options, where);
+  return read_source({nullptr, encoded.data(), encoded.size()}, options, where,
+                     std::numeric_limits<std::size_t>::max());
 }
 
 }  // namespace twopass

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -15,9 +16,11 @@ struct ReadTexture {
   std::size_t not_finite = 0;                 ///< stored samples that were NaN or infinite: they read as 0
 };
 
-/// Reads the picture. 8 bits stay 8 bits, half floats half; all else becomes float. Throws Error when the file
-/// is missing, broken, or of no size.
-ReadTexture read_texture(const std::filesystem::path& path, const TexelOptions& options);
+/// Reads the picture. 8 bits stay 8 bits, half floats half; all else becomes float. What would take more than
+/// `most_bytes` of memory is read tile by tile when it is looked at instead, and so are pictures in tiles of
+/// more than a million texels. Throws Error when the file is missing, broken, or of no size.
+ReadTexture read_texture(const std::filesystem::path& path, const TexelOptions& options,
+                         std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
 /// The same of an encoded picture in memory (PNG, JPEG or WebP); `where` names it in errors.
 ReadTexture read_texture(std::span<const std::byte> encoded, const TexelOptions& options,
                          std::string_view where);

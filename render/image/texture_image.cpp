@@ -1,6 +1,5 @@
 #include "render/image/texture_image.h"
 
-#include <bit>
 #include <cassert>
 #include <cstring>
 
@@ -8,6 +7,8 @@
 
 #include "render/core/parallel.h"
 #include "render/core/sampler.h"
+#include "render/image/half_value.h"
+#include "render/image/tiled_levels.h"
 
 namespace twopass {
 
@@ -15,14 +16,6 @@ namespace {
 
 std::size_t size_of(TexelFormat format) {
   return format == TexelFormat::byte ? 1 : format == TexelFormat::half ? 2 : 4;
-}
-
-// Imath's own conversion goes through a table that is larger than a first-level cache. Finite values only.
-float value_of_half(std::uint16_t bits) {
-  const std::uint32_t magnitude = std::uint32_t{bits & 0x7fffu} << 13,
-                      sign = std::uint32_t{bits & 0x8000u} << 16;
-  const float scaled = std::bit_cast<float>(magnitude) * 0x1p112f;  // makes up for the biases of the exponents
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(scaled) | sign);
 }
 
 // The values of one level, by number of the sample.
@@ -164,6 +157,14 @@ TextureImage::TextureImage(TexelLevel finest, int channels, std::vector<float> v
   finish();
 }
 
+TextureImage::TextureImage(std::unique_ptr<const TiledLevels> tiles) : tiles_(std::move(tiles)) {
+  for (const V2i& size : tiles_->sizes()) levels_.push_back({size.x, size.y, TexelFormat::single, {}});
+  mean_ = tiles_->texel(level_count() - 1, 0, 0);
+  content_hash_ = tiles_->content_hash();
+}
+
+TextureImage::~TextureImage() = default;
+
 void TextureImage::finish() {
   while (levels_.back().width > 1 || levels_.back().height > 1)
     levels_.push_back(next_level(levels_.back(), channels_, values_of_codes_));
@@ -174,6 +175,7 @@ void TextureImage::finish() {
 }
 
 C3f TextureImage::texel(int level, int x, int y) const {
+  if (tiles_) return tiles_->texel(level, x, y);
   const TexelLevel& l = levels_[static_cast<std::size_t>(level)];
   const std::size_t index =
       static_cast<std::size_t>(y) * static_cast<std::size_t>(l.width) + static_cast<std::size_t>(x);
@@ -182,6 +184,7 @@ C3f TextureImage::texel(int level, int x, int y) const {
 }
 
 TexelPatch TextureImage::patch(int level, const V2i& x, const V2i& y) const {
+  if (tiles_) return tiles_->patch(level, x, y);
   const TexelLevel& l = levels_[static_cast<std::size_t>(level)];
   const std::size_t width = static_cast<std::size_t>(l.width), left = static_cast<std::size_t>(x.x),
                     right = static_cast<std::size_t>(x.y), upper = static_cast<std::size_t>(y.x) * width,
@@ -198,7 +201,12 @@ std::size_t TextureImage::memory() const {
   return sum;
 }
 
+std::uint64_t TextureImage::unreadable_tiles() const { return tiles_ ? tiles_->unreadable() : 0; }
+
+std::uint64_t TextureImage::not_finite() const { return tiles_ ? tiles_->not_finite() : 0; }
+
 bool TextureImage::has_same_texels(const TextureImage& other) const {
+  if (tiles_ || other.tiles_) return this == &other;
   return content_hash_ == other.content_hash_ && channels_ == other.channels_ && width() == other.width() &&
          height() == other.height() && values_of_codes_ == other.values_of_codes_ &&
          levels_.front().format == other.levels_.front().format &&

@@ -1,8 +1,9 @@
-// The texels behind a texture: an image and ever smaller copies of it. Knows no coordinates, filters or files.
+// The texels behind a texture: an image and ever smaller copies of it. Knows no coordinates or filters.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "render/image/image.h"
@@ -15,6 +16,8 @@ enum class TexelFormat : std::uint8_t {
   half,    ///< a half float
   single,  ///< a float
 };
+
+class TiledLevels;
 
 /// One level of the pyramid; rows from top to bottom, channels interleaved.
 struct TexelLevel {
@@ -37,6 +40,9 @@ class TextureImage {
   explicit TextureImage(const Image& image);
   /// `finest` with `channels` (1 or 3) and, for bytes, the values of the 256 codes. Builds the other levels.
   TextureImage(TexelLevel finest, int channels, std::vector<float> values_of_codes);
+  /// Levels that are read tile by tile when they are looked at.
+  explicit TextureImage(std::unique_ptr<const TiledLevels> tiles);
+  ~TextureImage();
 
   [[nodiscard]] int width() const { return levels_.front().width; }
   [[nodiscard]] int height() const { return levels_.front().height; }
@@ -54,7 +60,13 @@ class TextureImage {
   [[nodiscard]] const C3f& mean() const { return mean_; }
   /// A hash of everything that look-ups depend on. The same on every machine.
   [[nodiscard]] std::uint64_t content_hash() const { return content_hash_; }
-  /// Bytes in memory.
+  /// Whether it is read tile by tile.
+  [[nodiscard]] bool is_tiled() const { return tiles_ != nullptr; }
+  /// Tiles that could not be read so far: their texels are 0.
+  [[nodiscard]] std::uint64_t unreadable_tiles() const;
+  /// Stored values of tiles read so far that were NaN or infinite: they read as 0.
+  [[nodiscard]] std::uint64_t not_finite() const;
+  /// Bytes in memory, without tiles.
   [[nodiscard]] std::size_t memory() const;
   /// Whether all look-ups give the same.
   [[nodiscard]] bool has_same_texels(const TextureImage& other) const;
@@ -62,7 +74,8 @@ class TextureImage {
  private:
   void finish();
 
-  std::vector<TexelLevel> levels_;
+  std::vector<TexelLevel> levels_;  // without bytes where there are tiles
+  std::unique_ptr<const TiledLevels> tiles_;
   int channels_ = 3;
   std::vector<float> values_of_codes_;  // 256, or none
   C3f mean_{0.0f};

@@ -34,8 +34,10 @@ void check_extensions(const json& document, const std::string& file, Notes& note
       throw Error(file, "requires the extension '" + name + "', which is not supported",
                   "export without it; supported: " + join_names(gltf_extensions));
   std::string unknown;
+  constexpr std::size_t longest = 1000;
   for (const std::string& name : texts(document, "extensionsUsed"))
-    if (!is_supported_gltf_extension(name)) unknown += (unknown.empty() ? "" : ", ") + name;
+    if (!is_supported_gltf_extension(name) && unknown.size() + name.size() < longest)
+      unknown += (unknown.empty() ? "" : ", ") + name;
   if (!unknown.empty()) notes.add(file + ": extensions that are not supported are left out: " + unknown);
 }
 
@@ -75,19 +77,20 @@ class Reader {
   void locate_images(const json& images) {
     for (const json& image : images) {
       GltfImage result;
-      result.name = document_.file + ": image " + std::to_string(document_.images.size());
+      result.name = "image " + std::to_string(document_.images.size());
       if (const std::string name = image.value("name", ""); !name.empty()) result.name += " '" + name + "'";
+      const std::string where = document_.file + ": " + result.name;
       if (image.contains("uri")) {
         const auto uri = image["uri"].get<std::string>();
-        if (std::optional<std::string> data = bytes_of_data_uri(uri, result.name))
+        if (std::optional<std::string> data = bytes_of_data_uri(uri, where))
           result.bytes = shared(std::move(*data));
         else
-          result.path = path_of_uri(uri, folder_, result.name);
+          result.path = path_of_uri(uri, folder_, where);
       } else if (image.contains("bufferView")) {
         const int view = image["bufferView"].get<int>();
-        result.bytes = bytes_of_view(document_, view, "image " + std::to_string(document_.images.size()));
+        result.bytes = bytes_of_view(document_, view, result.name);
       } else {
-        throw Error(result.name, "has neither uri nor bufferView", "correct the file");
+        throw Error(where, "has neither uri nor bufferView", "correct the file");
       }
       document_.images.push_back(std::move(result));
     }

@@ -26,7 +26,7 @@ struct SharedBytes {
 
 /// An image: bytes of an encoded picture, or a file that holds it.
 struct GltfImage {
-  std::string name;  ///< for errors and as a key: unique in the file
+  std::string name;  ///< "image 3 'wood'", for errors
   SharedBytes bytes;
   std::filesystem::path path;  ///< empty where there are bytes
 };

@@ -88,7 +88,11 @@ class MaterialReader {
 
   Texture base_color() {
     const C3f factor = values_.color(pbr_.baseColorFactor, "baseColorFactor");
-    return times(factor, use_of(pbr_.baseColorTexture), GltfTexels::color);
+    const GltfTextureUse use = use_of(pbr_.baseColorTexture);
+    if (!vertices_.colors) return times(factor, use, GltfTexels::color);
+    if (use.index < 0) return MeshColors{gltf_vertex_colors, nullptr, TexelScale{factor}};
+    values_.note("vertex colours are left out where the base colour has a texture");
+    return times(factor, use, GltfTexels::color);
   }
 
   void read_metallic_roughness() {
@@ -172,7 +176,6 @@ class MaterialReader {
     read_specular();
     read_transmission();
     read_clearcoat();
-    if (vertices_.colors) values_.note("vertex colours are left out");
     const bool transmits = extension("KHR_materials_transmission") != nullptr;
     const MaterialSide side = with_normal_map(MaterialSide(
         std::make_shared<const MaterialNode>(MaterialNode{TexturedModel{model_, std::move(bindings_)}})));
@@ -189,17 +192,16 @@ class MaterialReader {
   /// not doubleSided are not there, as in a viewer: our own radiosity solutions have a sheet for each side.
   Material unlit(GltfSurface& surface) {
     emit(base_color(), surface);
-    if (vertices_.colors) values_.note("vertex colours are left out");
     const Diffuse black{C3f(0.0f)};
     return two_sided({}, black, m_.doubleSided ? MaterialSide(black) : hole());
   }
 
   void emit(const Texture& radiance, GltfSurface& surface) {
     surface.radiance[front] = mean_color(radiance);
-    if (m_.doubleSided) surface.radiance[back] = surface.radiance[front];
+    surface.both_sides_emit = m_.doubleSided;
     if (is_constant(radiance)) return;
     surface.radiance_texture = std::make_shared<const Texture>(radiance);
-    if (m_.doubleSided) values_.note("its back emits the mean of the emissive texture");
+    if (m_.doubleSided) values_.note("its back emits the mean of what its front does");
   }
 
   void cut_out(Material& material) {

@@ -17,6 +17,9 @@
 
 namespace twopass {
 
+/// The attribute of meshes that holds COLOR_0: materials refer to it, and are bound to it by bind_mesh_colors.
+inline constexpr const char* gltf_vertex_colors = "vertex_color";
+
 /// What the vertices of a primitive bring along, as far as it changes the material.
 struct GltfVertexData {
   bool colors = false;    ///< COLOR_0 multiplies the base colour
@@ -27,7 +30,8 @@ struct GltfVertexData {
 /// A material as shapes carry it.
 struct GltfSurface {
   std::uint32_t material = 0;                         ///< index into SceneDescription::materials
-  std::array<C3f, 2> radiance{C3f(0.0f), C3f(0.0f)};  ///< of Shape
+  std::array<C3f, 2> radiance{C3f(0.0f), C3f(0.0f)};  ///< of Shape; of the front alone
+  bool both_sides_emit = false;                       ///< the back the same
   std::shared_ptr<const Texture> radiance_texture{};  ///< of Shape
   int uv_set = 0;                                     ///< the texture coordinates that its textures use
 };

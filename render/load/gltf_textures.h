@@ -46,6 +46,8 @@ class GltfTextures {
   Texture load(const GltfTextureUse& use, GltfTexels texels, const TexelScale& scale, const std::string& owner);
   /// Adds what was noticed.
   void report() { files_.report(notes_); }
+  /// Those that are read while rendering.
+  [[nodiscard]] std::vector<TiledTexture> tiled() const { return files_.tiled(); }
 
  private:
   Texture load_image(int index, GltfTexels texels, const std::string& owner);

@@ -47,10 +47,10 @@ std::string base64_decoded(std::string_view text, std::string_view where) {
   result.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t bits = 0;
   int available = 0;
-  for (const char c : text) {
-    const int digit = base64_digit(c);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const int digit = base64_digit(text[i]);
     if (digit < 0)
-      throw Error(where, "its data URI is not base64: byte " + std::to_string(&c - text.data() + 1),
+      throw Error(where, "its data URI is not base64: byte " + std::to_string(i + 1),
                   "export it again, or store the data in a file of its own");
     bits = bits << 6 | static_cast<std::uint32_t>(digit);
     available += 6;

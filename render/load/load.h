@@ -41,6 +41,7 @@ struct Skipped {
 struct LoadedScene {
   SceneDescription scene;
   FileSettings settings;
+  std::vector<TiledTexture> tiled_textures;
   std::vector<Skipped> left_out;   ///< what is not supported, where that was to be ignored
   std::vector<std::string> notes;  ///< one line each, for stderr: what was replaced or repaired, and why
 };

@@ -5,6 +5,7 @@
 #include "render/load/gltf_lights.h"
 #include "render/load/gltf_materials.h"
 #include "render/load/gltf_mesh.h"
+#include "render/load/mesh_colors.h"
 #include "render/load/mesh_tools.h"
 
 namespace twopass {
@@ -26,6 +27,7 @@ class SceneBuilder {
   SceneBuilder(const GltfDocument& document, const TextureOptions& textures, LoadedScene& loaded, Notes& notes)
       : document_(document),
         scene_(loaded.scene),
+        tiled_textures_(loaded.tiled_textures),
         notes_(notes),
         textures_(document, textures, notes),
         materials_(document, textures_, loaded.scene, notes) {}
@@ -33,10 +35,15 @@ class SceneBuilder {
   void add_meshes(const std::vector<GltfPlace>& places) {
     for (const GltfPlace& place : places)
       if (const int mesh = document_.model.nodes[place.node].mesh; mesh >= 0) add_mesh(place, mesh);
-    report();
-    if (scene_.shapes.empty())
-      throw Error(document_.file, "no mesh with triangles hangs in its scene",
-                  "give a file with something to render");
+    textures_.report();
+    tiled_textures_ = textures_.tiled();
+    const std::vector<std::string> losses = describe_losses();
+    if (scene_.shapes.empty()) {
+      std::string what = "no mesh with triangles hangs in its scene";
+      for (const std::string& loss : losses) what.append(", ").append(loss);
+      throw Error(document_.file, what, "give a file with something to render");
+    }
+    for (const std::string& loss : losses) notes_.add(document_.file + ": " + loss);
   }
 
  private:
@@ -84,6 +91,7 @@ class SceneBuilder {
     Mesh mesh = primitive.mesh;
     GltfVertexData vertices{.colors = !primitive.colors.empty()};
     const GltfSurface& surface = materials_.of(material, vertices, user);
+    if (vertices.colors) mesh.attributes.push_back({gltf_vertex_colors, primitive.colors});
     mesh.uvs = primitive.uvs[std::min(surface.uv_set, 1)];
     transform(mesh, place.to_world, document_.file + ": node '" + name_of_node(document_, place.node) + "'");
     if (is_mirroring(place.to_world)) reverse_winding(mesh);
@@ -110,6 +118,8 @@ class SceneBuilder {
     shape.material = surface.material;
     shape.radiance = surface.radiance;
     shape.radiance_texture = surface.radiance_texture;
+    bind_mesh_colors(shape, scene_.materials, document_.file);
+    if (surface.both_sides_emit) shape.radiance[back] = shape.radiance[front];
     scene_.shapes.push_back(std::move(shape));
   }
 
@@ -123,20 +133,22 @@ class SceneBuilder {
                   "store the meshes that repeat less often");
   }
 
-  void report() {
-    textures_.report();
-    const auto note = [&](std::size_t count, const char* what) {
-      if (count > 0) notes_.add(document_.file + ": " + std::to_string(count) + " " + what);
+  [[nodiscard]] std::vector<std::string> describe_losses() const {
+    std::vector<std::string> result;
+    const auto add = [&](std::size_t count, const char* what) {
+      if (count > 0) result.push_back(std::to_string(count) + " " + what);
     };
-    note(losses_.not_triangles, "primitives made of points or lines are left out");
-    note(losses_.bad_indices, "triangles with indices out of range are left out");
-    note(losses_.not_finite, "triangles with coordinates that are not finite or too large are left out");
-    note(losses_.without_area, "triangles without area are left out");
-    note(losses_.morph_targets, "primitives with morph targets are rendered without them");
+    add(losses_.not_triangles, "primitives made of points or lines are left out");
+    add(losses_.bad_indices, "triangles with indices out of range are left out");
+    add(losses_.not_finite, "triangles with coordinates that are not finite or too large are left out");
+    add(losses_.without_area, "triangles without area are left out");
+    add(losses_.morph_targets, "primitives with morph targets are rendered without them");
+    return result;
   }
 
   const GltfDocument& document_;
   SceneDescription& scene_;
+  std::vector<TiledTexture>& tiled_textures_;
   Notes& notes_;
   GltfTextures textures_;
   GltfMaterials materials_;

@@ -174,6 +174,7 @@ LoadedScene load_obj_scene(const std::filesystem::path& path, const TextureOptio
     notes.add(path.string() + ": " + std::to_string(reversed) +
               " triangles faced away from their own normals and were turned");
   textures.report(notes);
+  loaded.tiled_textures = textures.tiled();
   loaded.notes = notes.lines();
   return loaded;
 }

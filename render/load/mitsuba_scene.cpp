@@ -30,6 +30,7 @@ class SceneReader {
       if (node.tag != "shape") read(node);
     read_shapes();
     texture_files_.report(notes_);
+    loaded_.tiled_textures = texture_files_.tiled();
     loaded_.notes = notes_.lines();
     return std::move(loaded_);
   }
@@ -82,7 +83,7 @@ class SceneReader {
   void read_emitter(const XmlNode& node) {
     if (node.get("type") == "area")
       throw Error(node.where(), "emitter 'area' outside of a shape", "move it into the shape that emits");
-    auto emitter = read_mitsuba_emitter(node, tree_);
+    auto emitter = read_mitsuba_emitter(node, tree_, textures_);
     if (auto* light = std::get_if<PunctualLight>(&emitter)) {
       loaded_.scene.punctual_lights.push_back(std::move(*light));
       return;

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "render/core/error.h"
-#include "render/load/text_file.h"
+#include "render/image/regular_file.h"
+#include "render/image/tiled_levels.h"
 
 namespace twopass {
 
@@ -12,29 +13,18 @@ namespace {
 namespace fs = std::filesystem;
 
 const C3f pink(1.0f, 0.0f, 1.0f);
+constexpr std::string_view udim_mark = "<UDIM>";
 
-// The entry of `folder` that differs from `name` in case alone: the first by name, so that the order of the
-// folder does not matter. Empty: there is none.
-fs::path entry_in_any_case(const fs::path& folder, const std::string& name) {
-  const std::string wanted = lower_case(name);
-  fs::path best;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, ignored)) {
-    const fs::path found = entry.path().filename();
-    if (lower_case(found.string()) == wanted && (best.empty() || found < best)) best = found;
-  }
-  return best.empty() ? best : folder / best;
+std::string with_tile_number(std::string name, std::size_t mark, int number) {
+  return name.replace(mark, udim_mark.size(), std::to_string(number));
 }
 
-fs::path in_any_case(const fs::path& path) {
-  std::error_code ignored;
-  fs::path found = path.root_path();
-  for (const fs::path& part : path.relative_path()) {
-    const fs::path exact = found / part;
-    found = fs::exists(exact, ignored) ? exact : entry_in_any_case(found, part.string());
-    if (found.empty()) return found;
-  }
-  return found;
+Bitmap moved(const Bitmap& look, int number) {
+  Bitmap tile = look;
+  tile.wrap_u = tile.wrap_v = TextureWrap::clamp;
+  tile.to_uv.c -= static_cast<float>((number - 1001) % 10);
+  tile.to_uv.f += static_cast<float>((number - 1001) / 10);
+  return tile;
 }
 
 }  // namespace
@@ -43,35 +33,52 @@ fs::path find_texture_file(const std::string& name, std::span<const fs::path> fo
   std::error_code ignored;
   for (const fs::path& folder : folders)
     if (fs::exists(folder / name, ignored)) return folder / name;
-  std::string slashed = name;
-  std::ranges::replace(slashed, '\\', '/');
   for (const fs::path& folder : folders)
-    if (const fs::path found = in_any_case(folder / slashed); !found.empty()) return found;
+    if (const std::optional<fs::path> found = find_any_case(folder / name)) return *found;
   return {};
 }
 
 Texture TextureFiles::load(const TextureRequest& request) {
-  Bitmap bitmap = request.look;
+  Texture texture = request.look;
+  std::shared_ptr<const TextureImage>& image = std::get<Bitmap>(texture).image;
   if (!request.encoded.empty()) {
-    bitmap.image =
-        shared(read_texture(request.encoded, request.texels, request.where + ": " + request.name), request);
-    return bitmap;
+    image = shared(read_texture(request.encoded, request.texels, request.where + ": " + request.name), request);
+    return texture;
   }
+  if (const std::size_t mark = request.name.find(udim_mark); mark != std::string::npos)
+    return load_udim(request, mark);
   const fs::path path = find_texture_file(request.name, request.folders);
-  if (path.empty()) {
-    if (options_.missing == MissingTextures::pink) {
-      const std::scoped_lock lock(mutex_);
-      noticed_.push_back(request.where + ": there is no texture '" + request.name + "'; it is pink");
-      return pink;
-    }
-    std::string searched;
-    for (const fs::path& folder : request.folders)
-      searched += (searched.empty() ? "" : ", ") + (folder / request.name).string();
-    throw Error(request.where, "there is no texture '" + request.name + "'",
-                "searched: " + searched + "; --missing-textures=pink renders without it");
+  if (path.empty()) return missing(request);
+  image = of_file(path, request);
+  return texture;
+}
+
+Texture TextureFiles::missing(const TextureRequest& request) {
+  if (options_.missing == MissingTextures::pink) {
+    const std::scoped_lock lock(mutex_);
+    noticed_.push_back(request.where + ": there is no texture '" + request.name + "'; it is pink");
+    return pink;
   }
-  bitmap.image = of_file(path, request);
-  return bitmap;
+  std::string searched;
+  for (const fs::path& folder : request.folders)
+    searched += (searched.empty() ? "" : ", ") + (folder / request.name).string();
+  throw Error(request.where, "there is no texture '" + request.name + "'",
+              "searched: " + searched + "; --missing-textures=pink renders without it");
+}
+
+Texture TextureFiles::load_udim(const TextureRequest& request, std::size_t mark) {
+  Udim udim{request.look.to_uv, {}};
+  for (int number = 1001; number <= 1999; ++number) {
+    const std::string name = with_tile_number(request.name, mark, number);
+    std::error_code ignored;
+    const auto has_it = [&](const fs::path& folder) { return fs::exists(folder / name, ignored); };
+    const auto folder = std::ranges::find_if(request.folders, has_it);
+    if (folder == request.folders.end()) continue;
+    udim.tiles.resize(static_cast<std::size_t>(number - 1000));
+    udim.tiles.back() = moved(request.look, number);
+    udim.tiles.back().image = of_file(*folder / name, request);
+  }
+  return udim.tiles.empty() ? missing(request) : udim;
 }
 
 std::shared_ptr<const TextureImage> TextureFiles::of_file(const fs::path& path, const TextureRequest& request) {
@@ -87,7 +94,13 @@ std::shared_ptr<const TextureImage> TextureFiles::of_file(const fs::path& path, 
   const std::scoped_lock lock(entry->reading);
   if (entry->image) return entry->image;
   try {
-    return entry->image = shared(read_texture(path, request.texels), request);
+    const std::size_t memory = options_.memory_megabytes << 20;
+    std::size_t most = memory / 16;
+    {
+      const std::scoped_lock counting(mutex_);
+      most = std::min(most, memory / 2 - std::min(memory / 2, resident_bytes_));
+    }
+    return entry->image = shared(read_texture(path, request.texels, most), request);
   } catch (const Error& error) {
     throw Error(request.where, std::string("the texture cannot be read: ") + error.what(),
                 "correct the file or its name");
@@ -104,7 +117,17 @@ std::shared_ptr<const TextureImage> TextureFiles::shared(const ReadTexture& read
   for (auto known = first; known != last; ++known)
     if (known->second->has_same_texels(*read.image)) return known->second;
   by_content_.emplace(read.image->content_hash(), read.image);
+  resident_bytes_ += read.image->memory();
+  if (read.image->is_tiled()) {
+    limit_tile_memory(static_cast<double>(options_.memory_megabytes) / 2.0);
+    tiled_.push_back({request.where + ": texture '" + request.name + "'", read.image});
+  }
   return read.image;
+}
+
+std::vector<TiledTexture> TextureFiles::tiled() const {
+  const std::scoped_lock lock(mutex_);
+  return tiled_;
 }
 
 void TextureFiles::report(Notes& notes) const {

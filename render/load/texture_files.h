@@ -25,11 +25,20 @@ inline constexpr Named<MissingTextures> missing_textures_names[] = {
 
 struct TextureOptions {
   MissingTextures missing = MissingTextures::error;
+  /// Images of up to a sixteenth of it stay in memory, together up to half of it; the rest is read tile by tile
+  /// through a cache, which may take the other half.
+  std::size_t memory_megabytes = 1024;
+};
+
+/// An image that is read while the picture is rendered: what is wrong with it shows only then.
+struct TiledTexture {
+  std::string name;  ///< file:line that asks, and the file
+  std::shared_ptr<const TextureImage> image;
 };
 
 /// A texture as a scene asks for it.
 struct TextureRequest {
-  std::string name;                              ///< of the file as the scene writes it
+  std::string name;                              ///< of the file as the scene writes it; may hold <UDIM>
   std::vector<std::filesystem::path> folders{};  ///< where relative names are looked for, in this order
   std::span<const std::byte> encoded{};  ///< an image inside of the scene's file: then `name` is for messages
   std::string where;                     ///< file:line that asks, or the file: for messages
@@ -46,11 +55,15 @@ class TextureFiles {
   /// texels. Throws Error naming the file and who asked for it when it is not there (unless missing ones are
   /// pink), is not a regular file, or cannot be read.
   Texture load(const TextureRequest& request);
+  /// Those that are read while rendering.
+  [[nodiscard]] std::vector<TiledTexture> tiled() const;
   /// Adds what was noticed.
   void report(Notes& notes) const;
 
  private:
   using Key = std::pair<std::string, TexelOptions>;  // canonical path
+  Texture missing(const TextureRequest& request);
+  Texture load_udim(const TextureRequest& request, std::size_t mark);
   std::shared_ptr<const TextureImage> of_file(const std::filesystem::path& path, const TextureRequest& request);
   std::shared_ptr<const TextureImage> shared(const ReadTexture& read, const TextureRequest& request);
 
@@ -62,6 +75,8 @@ class TextureFiles {
   mutable std::mutex mutex_;
   std::map<Key, std::shared_ptr<Entry>> by_path_;
   std::multimap<std::uint64_t, std::shared_ptr<const TextureImage>> by_content_;
+  std::size_t resident_bytes_ = 0;
+  std::vector<TiledTexture> tiled_;
   std::vector<std::string> noticed_;
 };
 

@@ -31,6 +31,7 @@ bool complete(LightPolygon& polygon) {
   if (!(length > 0.0)) return false;
   polygon.normal = area_vector / length;
   polygon.area = 0.5 * length;
+  polygon.pdf_a = static_cast<float>(1.0 / polygon.area);
   V3d middle(0.0);
   for (int i = 0; i < polygon.corners; ++i) middle += V3d(c[i]);
   polygon.middle = V3f(middle / static_cast<double>(polygon.corners));

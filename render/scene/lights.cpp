@@ -185,6 +185,11 @@ void Lights::add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds,
 C3f Lights::radiance(const Entry& entry, Side side, const V3f& position) const {
   const Shape& shape = shapes_[entry.shape];
   if (!shape.radiance_texture || side == back) return shape.radiance[side];
+  return textured_radiance(entry, position);
+}
+
+C3f Lights::textured_radiance(const Entry& entry, const V3f& position) const {
+  const Shape& shape = shapes_[entry.shape];
   V2f uv;
   MeshPlace place;
   if (const auto* polygon = std::get_if<LightPolygon>(&entry.kind)) {
@@ -218,16 +223,19 @@ LightSample Lights::sample(const Receiver& receiver, const V2f& u) const {
   if (!(choice.probability > 0.0f)) return nothing;
   v.x = choice.remapped;
   const Entry& entry = entries_[choice.light];
-  LightSample drawn =
-      std::visit([&](const auto& kind) { return sample_of(entry, kind, receiver, v); }, entry.kind);
-  drawn.pdf_w *= choice.probability * (1.0f - distant_share_);
-  return drawn;
+  const auto draw = [&](const auto& kind) {
+    LightSample drawn = sample_of(entry, kind, receiver, v);
+    drawn.pdf_w *= choice.probability * (1.0f - distant_share_);
+    return drawn;
+  };
+  // Most lights are polygons: no jump through a table for them.
+  if (const auto* polygon = std::get_if<LightPolygon>(&entry.kind)) return draw(*polygon);
+  return std::visit(draw, entry.kind);
 }
 
 LightSample Lights::sample_of(const Entry& entry, const LightPolygon& polygon, const Receiver& receiver,
                               const V2f& u) const {
-  const double height = polygon.normal.dot(V3d(receiver.position) - V3d(polygon.corner[0]));
-  const Side side = height >= 0.0 ? front : back;
+  const Side side = side_of(polygon, receiver);
   if (is_black(shapes_[entry.shape].radiance[side])) return nothing;
   const PolygonView::Point point = PolygonView(polygon, receiver).sample(u);
   const auto clear = static_cast<float>(side == front ? polygon.offset : -polygon.offset);

@@ -25,8 +25,8 @@ struct LightSample {
   bool is_delta;  ///< a punctual light: no ray meets it, so its weight is 1
 };
 
-/// Emitting polygons, spheres, disks and cylinders, punctual lights and the environment. What is at a finite place is chosen by a
-/// tree (L7), what is infinitely far away takes a fixed share (L8). Const and thread-safe.
+/// Emitting polygons, spheres, disks and cylinders, punctual lights and the environment. What is at a finite
+/// place is chosen by a tree (L7), what is infinitely far away takes a fixed share (L8). Const and thread-safe.
 class Lights {
  public:
   /// `bounds` hold everything that can receive light. REQUIRES: all arguments outlive the lights.
@@ -35,9 +35,9 @@ class Lights {
   /// Emitting shapes alone. REQUIRES: the shapes outlive the lights.
   explicit Lights(std::span<const Shape> shapes) : Lights(shapes, {}, no_environment(), Box3f()) {}
 
-  [[nodiscard]] bool empty() const { return count() == 0; }
-  /// Number of lights that are chosen among: polygons (light_polygons()), analytic surfaces, punctual lights and the
-  /// environment.
+  [[nodiscard]] bool empty() const { return entries_.empty() && distant_.empty(); }
+  /// Number of lights that are chosen among: polygons (light_polygons()), analytic surfaces, punctual lights
+  /// and the environment.
   [[nodiscard]] std::size_t count() const { return entries_.size() + distant_.size(); }
   /// REQUIRES: !empty(), u in [0, 1)^2.
   [[nodiscard]] LightSample sample(const Receiver& receiver, const V2f& u) const;
@@ -53,7 +53,7 @@ class Lights {
   struct SphereLight {};
   struct DiskLight {};
   struct CylinderLight {};
-  struct Punctual {       // at a finite place
+  struct Punctual {  // at a finite place
     std::uint32_t index;
   };
   struct Entry {
@@ -67,6 +67,7 @@ class Lights {
   void add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds, std::vector<double>& weights);
   /// Radiance that a point of the light sends to the side on which the receiver is.
   [[nodiscard]] C3f radiance(const Entry& entry, Side side, const V3f& position) const;
+  [[nodiscard]] C3f textured_radiance(const Entry& entry, const V3f& position) const;
   [[nodiscard]] LightSample sample_of(const Entry& entry, const LightPolygon& polygon, const Receiver& receiver,
                                       const V2f& u) const;
   [[nodiscard]] LightSample sample_of(const Entry& entry, SphereLight, const Receiver& receiver,

@@ -41,6 +41,8 @@ struct SurfacePoint {
   /// them.
   V2f uv;
   V3f dp_du, dp_dv;
+  /// Width of the beam that textures are looked at through; 0: a ray.
+  float beam_width = 0.0f;
   [[nodiscard]] TexturePoint where() const { return {uv, V2f(0.0f, 0.0f), {primitive, {u, v}}}; }
   /// Of (M30), with the shading normal before it was perturbed; 0 where it was not.
   float terminator = 0.0f;

@@ -24,9 +24,11 @@ namespace {
 // Embree builds with asserts abort on rays that are not finite or start further out than this.
 constexpr float largest_coordinate = 1e18f;
 
-bool is_valid(const V3f& v) {  // false for NaN, too
-  return std::abs(v.x) < largest_coordinate && std::abs(v.y) < largest_coordinate &&
-         std::abs(v.z) < largest_coordinate;
+// One sum, which is not a number or too large if any coordinate is.
+bool is_valid(const V3f& origin, const V3f& direction) {
+  return std::abs(origin.x) + std::abs(origin.y) + std::abs(origin.z) + std::abs(direction.x) +
+             std::abs(direction.y) + std::abs(direction.z) <
+         largest_coordinate;
 }
 
 template <int N>
@@ -49,11 +51,14 @@ void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, 
     rtcIntersect8(valid, scene, &packet, &arguments);
 }
 template <int N>
-void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet) {
+void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet, bool coherent) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   if constexpr (N == 16)
-    rtcOccluded16(valid, scene, &packet, nullptr);
+    rtcOccluded16(valid, scene, &packet, &arguments);
   else
-    rtcOccluded8(valid, scene, &packet, nullptr);
+    rtcOccluded8(valid, scene, &packet, &arguments);
 }
 #else
 struct Context : RTCIntersectContext {
@@ -79,8 +84,8 @@ void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, 
     rtcIntersect8(valid, scene, &context, &packet);
 }
 template <int N>
-void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet) {
-  Context context;
+void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet, bool coherent) {
+  Context context(coherent);
   if constexpr (N == 16)
     rtcOccluded16(valid, scene, &context, &packet);
   else
@@ -106,25 +111,35 @@ void put(PacketRay<N>& rays, std::size_t lane, const V3f& origin, const V3f& dir
   rays.dir_x[lane] = direction.x, rays.dir_y[lane] = direction.y, rays.dir_z[lane] = direction.z;
 }
 
+// What is the same in all packets, and is left alone by Embree.
+template <int N>
+void set_constants(PacketRay<N>& rays) {
+  std::fill_n(rays.tnear, N, 0.0f);
+  std::fill_n(rays.time, N, 0.0f);
+  std::fill_n(rays.mask, N, 0xffffffffu);
+  std::fill_n(rays.id, N, 0u);
+  std::fill_n(rays.flags, N, 0u);
+}
+
 // What remains to be set when `count` rays have been put in. Lanes that are empty, or hold what Embree must not
 // see, are switched off and get a harmless ray. Plain loops over arrays, for vector instructions.
 template <int N>
 void finish(PacketRay<N>& rays, int* valid, std::size_t count, float t_far) {
   const V3f zero(0.0f), up(0.0f, 0.0f, 1.0f);
   for (std::size_t lane = count; lane < N; ++lane) put<N>(rays, lane, zero, up);
-  const auto fits = [](float x) { return static_cast<int>(std::abs(x) < largest_coordinate); };
-  for (std::size_t i = 0; i < N; ++i)
-    valid[i] = -(fits(rays.org_x[i]) & fits(rays.org_y[i]) & fits(rays.org_z[i]) & fits(rays.dir_x[i]) &
-                 fits(rays.dir_y[i]) & fits(rays.dir_z[i]));
-  for (std::size_t lane = 0; lane < count; ++lane)
-    if (valid[lane] == 0) put<N>(rays, lane, zero, up);
-  std::fill(valid + count, valid + N, 0);
-  std::fill_n(rays.tnear, N, 0.0f);
-  std::fill_n(rays.time, N, 0.0f);
-  std::fill_n(rays.tfar, N, t_far);
-  std::fill_n(rays.mask, N, 0xffffffffu);
-  std::fill_n(rays.id, N, 0u);
-  std::fill_n(rays.flags, N, 0u);
+  int all = -1;
+  for (std::size_t i = 0; i < N; ++i) {
+    valid[i] =
+        is_valid({rays.org_x[i], rays.org_y[i], rays.org_z[i]}, {rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]})
+            ? -1
+            : 0;
+    all &= valid[i];
+    rays.tfar[i] = t_far;
+  }
+  if (all == 0) [[unlikely]]
+    for (std::size_t lane = 0; lane < count; ++lane)
+      if (valid[lane] == 0) put<N>(rays, lane, zero, up);
+  for (std::size_t lane = count; lane < N; ++lane) valid[lane] = 0;
 }
 
 // The rounding of `direction` moves the end of a segment by some units in the last place of the whole length.
@@ -215,49 +230,53 @@ std::uint32_t shape_of(std::uint32_t instance, std::uint32_t geometry) {
   return instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance + geometry;
 }
 
-// Cuts `count` queries into packets: calls body(width, first, count of the packet), width an integral constant.
-template <class Body>
-void for_packets(int width, std::size_t count, const Body& body) {
-  for (std::size_t first = 0; first < count;) {
-    const std::size_t in_packet = std::min(count - first, static_cast<std::size_t>(width));
-    // A packet that is not half full is slower than its rays one by one.
-    if (width == 1 || 2 * in_packet < static_cast<std::size_t>(width)) {
-      body(std::integral_constant<int, 1>{}, first++, std::size_t{1});
-      continue;
-    }
-    if (width == 16)
-      body(std::integral_constant<int, 16>{}, first, in_packet);
-    else
-      body(std::integral_constant<int, 8>{}, first, in_packet);
-    first += in_packet;
-  }
+// The number of queries that the next packet takes of `left`; 1: that one alone, because a packet that is not
+// half full is slower than its rays one by one.
+template <int N>
+std::size_t next_packet(std::size_t left) {
+  return 2 * left < N ? 1 : std::min<std::size_t>(left, N);
 }
 
-// Scattered rays sorted by octant may be cast as coherent ones, which pays where the whole tree is a few nodes:
-// in the Cornell box the second edge takes half the time, and whole paths a few per cent less; a conference
-// room of 330 thousand triangles is a third slower.
+// Scattered and shadow rays sorted by octant may be cast as coherent ones, which pays where the whole tree is a
+// few nodes: in the Cornell box the second edge takes half the time, shadow rays a few per cent less; a
+// conference room of 330 thousand triangles is a third slower.
 constexpr std::size_t most_triangles_sorted = 1000;
 
-// An order of rays; by_octant() is that of the octants of their directions.
+// An order of queries; by_octant() is that of the octants of their directions.
 constexpr std::size_t most_sorted = 256;
 using Order = std::array<std::uint8_t, most_sorted>;
-Order by_octant(std::span<const Ray> rays) {
+const V3f& direction_of(const Ray& ray) { return ray.direction; }
+V3f direction_of(const Segment& segment) { return segment.to - segment.from; }
+template <class Query>
+Order by_octant(std::span<const Query> queries) {
   Order octant;
   std::array<std::uint32_t, 9> begin{};
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const V3f& d = rays[i].direction;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const V3f& d = direction_of(queries[i]);
     octant[i] = static_cast<std::uint8_t>((d.x < 0.0f) + 2 * (d.y < 0.0f) + 4 * (d.z < 0.0f));
     ++begin[octant[i] + 1u];
   }
   for (std::size_t k = 1; k < 8; ++k) begin[k] += begin[k - 1];
   Order order;
-  for (std::size_t i = 0; i < rays.size(); ++i) order[begin[octant[i]]++] = static_cast<std::uint8_t>(i);
+  for (std::size_t i = 0; i < queries.size(); ++i) order[begin[octant[i]]++] = static_cast<std::uint8_t>(i);
   return order;
 }
 Order as_given() {
   Order order;
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint8_t>(i);
   return order;
+}
+
+// Calls body(queries, order, results) for as many of them at a time as can be sorted.
+template <class Query, class Result, class Body>
+void in_order(std::span<const Query> queries, std::span<Result> results, bool sorted, const Body& body) {
+  while (!queries.empty()) {
+    const auto some = queries.first(std::min(queries.size(), most_sorted));
+    const Order order = sorted ? by_octant(some) : as_given();
+    body(some, std::span(order).first(some.size()), results);
+    queries = queries.subspan(some.size());
+    results = results.subspan(some.size());
+  }
 }
 
 }  // namespace
@@ -367,47 +386,91 @@ struct RayCaster::Impl {
     add_instance(meshes, instance->to_world, id);
     return next;
   }
-  // Packets of `rays[order[i]]`, or of `segments`.
+  [[nodiscard]] Hit intersect(const Ray& ray) const;
+  [[nodiscard]] bool occluded(const V3f& from, const V3f& to) const;
+  // In packets of N, in the given order.
   template <int N>
   void intersect(std::span<const Ray> rays, std::span<const std::uint8_t> order, std::span<Hit> hits,
                  bool coherent) const;
   template <int N>
-  void occluded(std::span<const Segment> segments, bool* results) const;
+  void occluded(std::span<const Segment> segments, std::span<const std::uint8_t> order, std::span<bool> results,
+                bool coherent) const;
 };
+
+Hit RayCaster::Impl::intersect(const Ray& ray) const {
+  Hit hit;
+  if (!is_valid(ray.origin, ray.direction)) return hit;
+  RTCRayHit query;
+  set_ray(query.ray, ray.origin, ray.direction, infinity_f);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  query_intersect(scene, query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+  return {shape_of(query.hit.instID[0], query.hit.geomID), query.hit.primID, query.ray.tfar, query.hit.u,
+          query.hit.v};
+}
+
+bool RayCaster::Impl::occluded(const V3f& from, const V3f& to) const {
+  const V3f direction = to - from;
+  if (!is_valid(from, direction)) return true;
+  RTCRay ray;
+  set_ray(ray, from, direction, segment_end);
+  query_occluded(scene, ray);
+  return ray.tfar < 0.0f;
+}
 
 template <int N>
 void RayCaster::Impl::intersect(std::span<const Ray> rays, std::span<const std::uint8_t> order,
                                 std::span<Hit> hits, bool coherent) const {
   alignas(64) int valid[N];
   PacketRayHit<N> packet;
-  for (std::size_t lane = 0; lane < order.size(); ++lane)
-    put<N>(packet.ray, lane, rays[order[lane]].origin, rays[order[lane]].direction);
-  finish<N>(packet.ray, valid, order.size(), infinity_f);
-  std::fill_n(packet.hit.geomID, N, RTC_INVALID_GEOMETRY_ID);
-  std::fill_n(packet.hit.instID[0], N, RTC_INVALID_GEOMETRY_ID);
-  query_intersect<N>(scene, valid, packet, coherent);
-  for (std::size_t lane = 0; lane < order.size(); ++lane) {
-    Hit& hit = hits[order[lane]];
-    hit = {};
-    if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-    hit.shape = shape_of(packet.hit.instID[0][lane], packet.hit.geomID[lane]);
-    hit.primitive = packet.hit.primID[lane];
-    hit.t = packet.ray.tfar[lane];
-    hit.u = packet.hit.u[lane];
-    hit.v = packet.hit.v[lane];
+  set_constants<N>(packet.ray);
+  while (!order.empty()) {
+    const std::size_t count = next_packet<N>(order.size());
+    if (count == 1) {
+      hits[order[0]] = intersect(rays[order[0]]);
+      order = order.subspan(1);
+      continue;
+    }
+    for (std::size_t lane = 0; lane < count; ++lane)
+      put<N>(packet.ray, lane, rays[order[lane]].origin, rays[order[lane]].direction);
+    finish<N>(packet.ray, valid, count, infinity_f);
+    std::fill_n(packet.hit.geomID, N, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(packet.hit.instID[0], N, RTC_INVALID_GEOMETRY_ID);
+    query_intersect<N>(scene, valid, packet, coherent);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const std::uint32_t geometry = packet.hit.geomID[lane];
+      Hit& hit = hits[order[lane]];
+      hit = {};
+      if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
+      hit = {shape_of(packet.hit.instID[0][lane], geometry), packet.hit.primID[lane], packet.ray.tfar[lane],
+             packet.hit.u[lane], packet.hit.v[lane]};
+    }
+    order = order.subspan(count);
   }
 }
 
 template <int N>
-void RayCaster::Impl::occluded(std::span<const Segment> segments, bool* results) const {
+void RayCaster::Impl::occluded(std::span<const Segment> segments, std::span<const std::uint8_t> order,
+                               std::span<bool> results, bool coherent) const {
   alignas(64) int valid[N];
   PacketRay<N> packet;
-  for (std::size_t lane = 0; lane < segments.size(); ++lane)
-    put<N>(packet, lane, segments[lane].from, segments[lane].to - segments[lane].from);
-  finish<N>(packet, valid, segments.size(), segment_end);
-  query_occluded<N>(scene, valid, packet);
-  for (std::size_t lane = 0; lane < segments.size(); ++lane)
-    results[lane] = (valid[lane] == 0) | (packet.tfar[lane] < 0.0f);
+  set_constants<N>(packet);
+  while (!order.empty()) {
+    const std::size_t count = next_packet<N>(order.size());
+    if (count == 1) {
+      results[order[0]] = occluded(segments[order[0]].from, segments[order[0]].to);
+      order = order.subspan(1);
+      continue;
+    }
+    for (std::size_t lane = 0; lane < count; ++lane)
+      put<N>(packet, lane, segments[order[lane]].from, direction_of(segments[order[lane]]));
+    finish<N>(packet, valid, count, segment_end);
+    query_occluded<N>(scene, valid, packet, coherent);
+    for (std::size_t lane = 0; lane < count; ++lane)
+      results[order[lane]] = (valid[lane] == 0) | (packet.tfar[lane] < 0.0f);
+    order = order.subspan(count);
+  }
 }
 
 RayCaster::RayCaster(std::span<const Shape> shapes) : impl_(std::make_unique<Impl>()) {
@@ -432,55 +495,32 @@ RayCaster::RayCaster(std::span<const Shape> shapes) : impl_(std::make_unique<Imp
 
 RayCaster::~RayCaster() = default;
 
-Hit RayCaster::intersect(const Ray& ray) const {
-  Hit hit;
-  if (!is_valid(ray.origin) || !is_valid(ray.direction)) return hit;
-  RTCRayHit query;
-  set_ray(query.ray, ray.origin, ray.direction, infinity_f);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  query_intersect(impl_->scene, query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-  hit.shape = shape_of(query.hit.instID[0], query.hit.geomID);
-  hit.primitive = query.hit.primID;
-  hit.t = query.ray.tfar;
-  hit.u = query.hit.u;
-  hit.v = query.hit.v;
-  return hit;
-}
+Hit RayCaster::intersect(const Ray& ray) const { return impl_->intersect(ray); }
 
-bool RayCaster::occluded(const V3f& from, const V3f& to) const {
-  const V3f direction = to - from;
-  if (!is_valid(from) || !is_valid(direction)) return true;
-  RTCRay ray;
-  set_ray(ray, from, direction, segment_end);
-  query_occluded(impl_->scene, ray);
-  return ray.tfar < 0.0f;
-}
+bool RayCaster::occluded(const V3f& from, const V3f& to) const { return impl_->occluded(from, to); }
 
 void RayCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits, Rays kind) const {
   const bool sorted = kind == Rays::scattered && impl_->triangles <= most_triangles_sorted;
   const bool coherent = kind == Rays::coherent || sorted;
-  while (!rays.empty()) {
-    const auto some = rays.first(std::min(rays.size(), most_sorted));
-    const Order order = sorted ? by_octant(some) : as_given();
-    for_packets(impl_->packet_width, some.size(), [&](auto width, std::size_t first, std::size_t count) {
-      if constexpr (width == 1)
-        hits[order[first]] = intersect(some[order[first]]);
-      else
-        impl_->intersect<width>(some, std::span(order).subspan(first, count), hits, coherent);
-    });
-    rays = rays.subspan(some.size());
-    hits = hits.subspan(some.size());
-  }
+  in_order(rays, hits, sorted, [&](auto some, auto order, auto results) {
+    if (impl_->packet_width == 16)
+      impl_->intersect<16>(some, order, results, coherent);
+    else if (impl_->packet_width == 8)
+      impl_->intersect<8>(some, order, results, coherent);
+    else
+      for (std::size_t i = 0; i < some.size(); ++i) results[i] = impl_->intersect(some[i]);
+  });
 }
 
 void RayCaster::occluded(std::span<const Segment> segments, std::span<bool> results) const {
-  for_packets(impl_->packet_width, segments.size(), [&](auto width, std::size_t first, std::size_t count) {
-    if constexpr (width == 1)
-      results[first] = occluded(segments[first].from, segments[first].to);
+  const bool sorted = impl_->triangles <= most_triangles_sorted;
+  in_order(segments, results, sorted, [&](auto some, auto order, auto blocked) {
+    if (impl_->packet_width == 16)
+      impl_->occluded<16>(some, order, blocked, sorted);
+    else if (impl_->packet_width == 8)
+      impl_->occluded<8>(some, order, blocked, sorted);
     else
-      impl_->occluded<width>(segments.subspan(first, count), &results[first]);
+      for (std::size_t i = 0; i < some.size(); ++i) blocked[i] = impl_->occluded(some[i].from, some[i].to);
   });
 }
 

@@ -119,9 +119,14 @@ Scene::Scene(SceneDescription description)
       bounds_(bounds_of(description_.shapes)),
       caster_(description_.shapes),
       lights_(description_.shapes, description_.punctual_lights, description_.environment, bounds_),
-      has_see_through_(std::ranges::any_of(description_.shapes, [this](const Shape& shape) {
-        const Material& material = description_.materials[shape.material];
-        return material.side[front].traits().is_see_through || material.side[back].traits().is_see_through;
+      has_see_through_(std::ranges::any_of(description_.shapes,
+                                           [this](const Shape& shape) {
+                                             const Material& material = description_.materials[shape.material];
+                                             return material.side[front].traits().is_see_through ||
+                                                    material.side[back].traits().is_see_through;
+                                           })),
+      has_textures_(std::ranges::any_of(description_.materials, [](const Material& material) {
+        return !material.side[front].is_uniform() || !material.side[back].is_uniform();
       })) {
   find_faces();
 }
@@ -178,6 +183,9 @@ Bsdf Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const 
                      .frame = point.shading,
                      .is_back = point.side == back,
                      .place = {point.primitive, {point.u, point.v}}};
+  // (M31), along the narrow side of the beam's ellipse on the surface.
+  if (point.beam_width > 0.0f)
+    at.footprint = {point.beam_width / point.dp_du.length(), point.beam_width / point.dp_dv.length()};
   const Bsdf bsdf = material.resolve(at, u);
   point.terminator = at.terminator;
   point.unperturbed_normal = point.shading.n;

@@ -67,6 +67,8 @@ class Scene {
   [[nodiscard]] float transmittance(const Segment& segment) const;
   /// Whether light passes straight through some surfaces: shadow rays must look at what they meet.
   [[nodiscard]] bool has_see_through() const { return has_see_through_; }
+  /// Whether materials vary over surfaces: then a beam sees more than a ray.
+  [[nodiscard]] bool has_textures() const { return has_textures_; }
 
  private:
   // What every vertex on a triangle needs and would else be computed again each time: 20 bytes a triangle.
@@ -98,7 +100,7 @@ class Scene {
   Box3f bounds_;
   RayCaster caster_;
   Lights lights_;
-  bool has_see_through_;
+  bool has_see_through_, has_textures_;
 };
 
 inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {

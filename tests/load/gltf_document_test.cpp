@@ -80,7 +80,7 @@ TEST_F(GltfDocumentTest, ImagesAreLocated) {
   w.document["images"][0]["bufferView"] = 9;
   refused(w, {"image 0 refers to buffer view 9"});
   w.document["images"][0] = nlohmann::json::object();
-  refused(w, {"image 0 has neither uri nor bufferView"});
+  refused(w, {"image 0: has neither uri nor bufferView"});
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ TEST(GltfJson, DepthIsBounded) {
   EXPECT_NO_THROW(parse(nested(60)));
   refused(nested(1000000), {"nested deeper than 64 levels"});
   refused(nested(70), {"nested deeper than 64 levels"});
+  EXPECT_NO_THROW(parse("{\"asset\":{\"a\":\"\\\"" + std::string(100, '[') + "\"}}"));  // in a string
 }
 
 TEST(GltfJson, MembersHaveTheirTypes) {

@@ -135,7 +135,10 @@ TEST_F(LoadGltfScene, WhatIsNotWorthRenderingIsCounted) {
   EXPECT_TRUE(has_note(loaded, "1 triangles without area are left out"));
   EXPECT_TRUE(has_note(loaded, "morph targets are rendered without them"));
   w.document["scenes"][0]["nodes"] = {1};
-  expect_error([&] { load_gltf(w.gltf()); }, {"no mesh with triangles hangs in its scene"});
+  expect_error([&] { load_gltf(w.gltf()); }, {"hangs in its scene, 2 triangles with coordinates that are not finite"});
+  w.add_root({{"mesh", w.add_mesh(points)}});
+  w.document["scenes"][0]["nodes"] = {2};
+  expect_error([&] { load_gltf(w.gltf()); }, {"hangs in its scene, 1 primitives made of points or lines"});
 }
 
 TEST_F(LoadGltfScene, RepetitionIsBoundedByTheSizeOfTheFile) {
@@ -248,7 +251,7 @@ TEST_F(GltfLights, WhatIsNoLightIsRefused) {
   refused({{"type", "point"}, {"color", {1, 1}}}, {"has a color of 2 numbers"});
   refused({{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}, {"has cones of"});
   refused({{"type", "spot"}, {"spot", {{"outerConeAngle", 2.0}}}}, {"has cones of"});
-  refused({{"type", "spot"}}, {"spot"});
+  refused({{"type", "spot"}}, {"Spot light description not found"});
 }
 
 TEST_F(LoadGltfScene, ParametersAreMitsubas) {

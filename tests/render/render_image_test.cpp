@@ -6,6 +6,7 @@
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "tests/support/scenes.h"
+#include "tests/support/statistics.h"
 
 namespace twopass {
 namespace {
@@ -170,6 +171,65 @@ TEST(RenderImage, NonFiniteSamplesAreCountedAndBlack) {
   EXPECT_EQ(outcome.non_finite_samples, 16u * 16u * 16u);  // a stratified quarter
   for (const float v : film.resolve().pixels) EXPECT_TRUE(std::isfinite(v));
   EXPECT_NEAR(film.pixel(3, 3).mean().x, 0.75, 1e-6);
+}
+
+// A floor of black and white squares that reaches to the horizon, under an even sky.
+Scene checkered_plain() {
+  SceneDescription scene;
+  Mesh floor = test::quad(V3f(-500, 0, 0), V3f(1000, 0, 0), V3f(0, 1000, 0));
+  floor.uvs = {V2f(0, 0), V2f(1, 0), V2f(1, 1), V2f(0, 1)};
+  test::add_diffuse(scene, "floor", floor, C3f(0.0f));
+  constexpr float squares = 8000.0f;
+  const Checkerboard board{C3f(1.0f), C3f(0.0f), {squares, 0, 0, 0, squares, 0}};
+  const MaterialNode node{TexturedModel{Diffuse{}, {{0, board}}}};
+  scene.materials = {one_sided("floor", MaterialSide(std::make_shared<const MaterialNode>(node)))};
+  scene.environment = Environment(C3f(1.0f));
+  return Scene(std::move(scene));
+}
+
+TEST(RenderImage, FootprintsTakeTheNoiseOutOfFineTexturesAndLeaveTheirMean) {
+  const Scene scene = checkered_plain();
+  EXPECT_TRUE(scene.has_textures());
+  const PathTracer path(scene, {.max_depth = 2});
+  const Camera camera({look_at({0, 0, 1}, {0, 10, 0}, {0, 0, 1}, "test"), 60.0, FovAxis::x}, 64, 64);
+  const auto spread = [&](const RayCone& cone) {
+    Film film(64, 64);
+    render_image({.integrator = path,
+                  .camera = camera,
+                  .filter = box_filter(),
+                  .goal = {.samples_per_pixel = 16},
+                  .cone = cone,
+                  .report_progress = {}},
+                 film);
+    const Image image = film.resolve();
+    // Just below the horizon, where a pixel holds many squares.
+    test::Estimate estimate;
+    for (int y = 32; y < 35; ++y)
+      for (int x = 0; x < 64; ++x) estimate.add(image.rgb(x, y).x);
+    return estimate;
+  };
+  const test::Estimate points = spread({}), filtered = spread(sample_cone(camera, 64, 64, 16));
+  EXPECT_LT(filtered.variance(), 0.5 * points.variance());
+  EXPECT_LT(std::abs(filtered.mean() - points.mean()), 4.0 * points.standard_error());
+  EXPECT_NEAR(filtered.mean(), 0.5, 0.03);
+}
+
+TEST(RayCone, IsNarrowerWithMoreSamplesDownToAnEighth) {
+  const Camera camera(description, 100, 50);
+  const RayCone one = sample_cone(camera, 100, 50, 1), four = sample_cone(camera, 100, 50, 4),
+                many = sample_cone(camera, 100, 50, 10000), unknown = sample_cone(camera, 100, 50, 0);
+  // 100 pixels share 60 degrees; those at the edge are the narrowest.
+  EXPECT_LT(one.spread, 2.0f * std::tan(pi_f / 6.0f) / 100.0f);
+  EXPECT_GT(one.spread, 0.5f * 2.0f * std::tan(pi_f / 6.0f) / 100.0f);
+  EXPECT_FLOAT_EQ(four.spread, one.spread / 2.0f);
+  EXPECT_FLOAT_EQ(many.spread, one.spread / 8.0f);
+  EXPECT_EQ(unknown.spread, many.spread);
+  EXPECT_EQ(one.width, 0.0f);
+  const RayCone mirrored = one.scattered(2.0f, 1e6f, true), blurred = one.scattered(2.0f, 1.0f / pi_f, false);
+  EXPECT_FLOAT_EQ(mirrored.width, 2.0f * one.spread);
+  EXPECT_EQ(mirrored.spread, one.spread);
+  EXPECT_FLOAT_EQ(blurred.spread, 0.25f * std::sqrt(pi_f));
+  EXPECT_FALSE(RayCone{}.is_open());
 }
 
 }  // namespace
