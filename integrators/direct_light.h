@@ -2,6 +2,7 @@
 #pragma once
 
 #include "integrators/integrator.h"
+#include "radiosity/guide.h"
 
 namespace twopass {
 
@@ -40,10 +41,12 @@ enum class Rival : std::uint8_t {
 };
 
 /// The light sample of the number u at `point`, weighted against its rival; its radiance is what the
-/// surface would reflect against `direction` (world, unit), which led to it. REQUIRES: the scene has lights;
-/// the surface is not purely specular.
+/// surface would reflect against `direction` (world, unit), which led to it. With a `guide`, the
+/// scattered ray is drawn from it with the probability `share` (I11). REQUIRES: the scene has lights; the
+/// surface is not purely specular.
 inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
-                                      const V3f& direction, Rival rival, const V2f& u) {
+                                      const V3f& direction, Rival rival, const V2f& u,
+                                      const Guide::Lobe* guide = nullptr, float share = 0.0f) {
   const Connection nothing{{V3f(0.0f), V3f(0.0f)}, C3f(0.0f)};
   const LightSample light = scene.lights().sample(receiver_at(point, bsdf), u);
   if (!(light.pdf_w > 0.0f)) return nothing;
@@ -56,7 +59,8 @@ inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& po
     float weight = 1.0f / light.pdf_w;
     if (!light.is_delta && rival == Rival::scattered_ray) {
       // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-      const float other = model.pdf_w(wo, wi);
+      float other = model.pdf_w(wo, wi);
+      if (guide) other = share * guide->pdf_w(light.direction) + (1.0f - share) * other;
       weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
     }
     return C3f(model.eval(wo, wi) * light.radiance * (reached * weight));

@@ -37,7 +37,7 @@ struct PathSample {
   Sampler sampler;
   Seen seen{};
   float reach = infinity_f;  ///< what lies further along the ray is not seen
-  RayCone cone{};  ///< of the ray; integrators widen it. Closed: textures are looked at in points.
+  RayCone cone{};            ///< of the ray; integrators widen it. Closed: textures are looked at in points.
 };
 
 /// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct

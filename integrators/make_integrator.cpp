@@ -3,14 +3,18 @@
 #include "integrators/path.h"
 #include "integrators/radiosity_view.h"
 #include "integrators/two_pass.h"
+#include "integrators/unbiased.h"
 
 namespace twopass {
 
 std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const IndirectField* field, const PathLimits& limits) {
+                                            const IndirectField* field, const PathLimits& limits,
+                                            const Guide* guide) {
   switch (kind) {
     case IntegratorKind::two_pass:
       return std::make_unique<TwoPass>(scene, solution, field, limits);
+    case IntegratorKind::unbiased:
+      return std::make_unique<Unbiased>(scene, solution, guide, limits);
     case IntegratorKind::radiosity:
       return std::make_unique<RadiosityView>(scene, solution, limits);
     case IntegratorKind::path:

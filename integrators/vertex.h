@@ -3,6 +3,7 @@
 
 #include "integrators/clamp.h"
 #include "integrators/direct_light.h"
+#include "integrators/guided_directions.h"
 
 namespace twopass {
 
@@ -17,6 +18,7 @@ struct Carried {
   bool gathers = false;        ///< its last direction but for mirrors and glass was drawn from a broad lobe
   int passed = 0;              ///< surfaces that it went straight through; no edge ends there
   float passed_length = 0.0f;  ///< from the last vertex to the last of them
+  C3f expected{0.0f};          ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
 };
 
 /// Lobes with less density than this, per steradian, count as broad: what they gather is blurred. Diffuse ones
@@ -102,18 +104,16 @@ class Vertex {
   [[nodiscard]] bool samples_lights() const { return samples_lights_; }
   /// The light sampled here, with what it sends along the path. REQUIRES: samples_lights().
   [[nodiscard]] Connection sample_lights() const {
-    Connection connection = sample_direct_light(
-        *scene_, point_, *bsdf_, direction_, goes_on_ ? Rival::scattered_ray : Rival::none, u_light_);
+    Connection connection =
+        sample_direct_light(*scene_, point_, *bsdf_, direction_, goes_on_ ? Rival::scattered_ray : Rival::none,
+                            u_light_, share_ > 0.0f ? &guide_ : nullptr, share_);
     connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
     return connection;
   }
 
   /// Takes the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
   bool leave(Ray& next) {
-    const std::optional<BsdfSample> drawn = visit_model(*bsdf_, [this](const auto& model) {
-      // Inside, because Lambert's model does not look at where the path came from.
-      return model.sample(point_.shading.to_local(-direction_), u_direction_);
-    });
+    const std::optional<BsdfSample> drawn = scatter();
     if (!drawn) return false;
     const V3f direction = point_.shading.to_world(drawn->wi);
     const float reached = agreement_of_normals(point_, direction, drawn->wi.z);
@@ -132,11 +132,34 @@ class Vertex {
     }
     next.origin = spawn_position(point_, direction);
     next.direction = direction;
-    return edges_ < limits_->rr_depth || survives();
+    return has_settled_ || !is_long() || survives();
+  }
+
+  /// Has leave() draw from the guide with the probability `share` (I11). REQUIRES: share 0 or a lobe that is
+  /// not empty.
+  void guide_by(const Guide::Lobe& guide, float share) {
+    guide_ = guide;
+    share_ = share;
+  }
+  /// Whether the path is subject to roulette, and the probability with which it would survive. The square of
+  /// the index of refraction undoes the compression of radiance inside glass: it is no loss of importance.
+  [[nodiscard]] bool is_long() const { return edges_ >= limits_->rr_depth; }
+  [[nodiscard]] float survival() const {
+    const float ior = carried_->relative_ior;
+    return survival_probability(max_component(carried_->throughput) * ior * ior);
+  }
+  /// Scales what the path will add from here on; the integrator has played roulette, leave() will not.
+  void settle(float scale) {
+    carried_->throughput *= scale;
+    has_settled_ = true;
   }
 
   [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
+  [[nodiscard]] const C3f& throughput() const { return carried_->throughput; }
+  [[nodiscard]] Sampler& sampler() { return sample_->sampler; }
+  /// What the sample is expected to see, W/(m2 sr): kept for the integrator, black at first.
+  [[nodiscard]] C3f& expected() { return carried_->expected; }
   /// Length of the edge that led to the vertex.
   [[nodiscard]] float distance() const { return distance_; }
   /// Whether what is seen here is blurred by the lobe that led here, with or without mirrors and glass in
@@ -157,15 +180,21 @@ class Vertex {
     return power_heuristic(carried_->last_pdf_w, light_pdf_w);
   }
 
-  // The square of the index of refraction undoes the compression of radiance inside glass: it is no loss of
-  // importance.
   bool survives() {
-    C3f& throughput = carried_->throughput;
-    const float ior = carried_->relative_ior;
-    const float survival = survival_probability(max_component(throughput) * ior * ior);
-    if (sample_->sampler.next_1d() >= survival) return false;
-    throughput *= 1.0f / survival;
+    const float probability = survival();
+    if (sample_->sampler.next_1d() >= probability) return false;
+    carried_->throughput *= 1.0f / probability;
     return true;
+  }
+
+  [[nodiscard]] std::optional<BsdfSample> scatter() const {
+    if (share_ > 0.0f)
+      return GuidedDirections(*bsdf_, point_.shading.to_local(-direction_), point_.shading, guide_, share_)
+          .sample(u_direction_);
+    return visit_model(*bsdf_, [this](const auto& model) {
+      // Inside, because Lambert's model does not look at where the path came from.
+      return model.sample(point_.shading.to_local(-direction_), u_direction_);
+    });
   }
 
   const Scene* scene_;
@@ -175,7 +204,9 @@ class Vertex {
   V3f direction_;  // of the edge that led here
   int edges_;
   float distance_;
-  bool samples_lights_, goes_on_;
+  bool samples_lights_, goes_on_, has_settled_ = false;
+  float share_ = 0.0f;  // of the guide
+  Guide::Lobe guide_;
   V2f u_light_, u_direction_;
   SurfacePoint point_;
   Bsdf resolved_;  // the model, where it varies over the surface; before bsdf_, which may point to it

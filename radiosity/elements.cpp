@@ -326,11 +326,14 @@ ElementMesh::Location ElementMesh::find_in_root(std::uint32_t root_index, float 
   std::uint32_t node = cells_[root.first_cell + cell];
   while (node & refined) {
     const float a = location.u, b = location.v;
-    std::uint32_t child = 0;
-    if (a + b > 0.5f) child = a >= 0.5f ? 1 : b >= 0.5f ? 2 : 3;
-    location.u = child == 1 ? 2.0f * a - 1.0f : child == 3 ? 1.0f - 2.0f * a : 2.0f * a;
-    location.v = child == 2 ? 2.0f * b - 1.0f : child == 3 ? 1.0f - 2.0f * b : 2.0f * b;
-    node = cells_[(node & ~refined) + child];
+    // By arithmetic: which quarter a ray meets is nothing that the processor could predict.
+    const std::int32_t beyond_0 = a + b > 0.5f ? 1 : 0, at_1 = a >= 0.5f ? 1 : 0, at_2 = b >= 0.5f ? 1 : 0;
+    const std::int32_t child = beyond_0 * (3 - 2 * at_1 - (at_2 & ~at_1));
+    const std::int32_t middle = child == 3 ? 1 : 0;
+    const auto scale = static_cast<float>(2 - 4 * middle);
+    location.u = scale * a + static_cast<float>(middle - (child == 1 ? 1 : 0));
+    location.v = scale * b + static_cast<float>(middle - (child == 2 ? 1 : 0));
+    node = cells_[(node & ~refined) + static_cast<std::uint32_t>(child)];
   }
   location.element = node;
   return location;

@@ -26,7 +26,7 @@ Plan plan_render(const SceneNeeds& needs, IntegratorKind integrator, const PathL
     skip("the scene has no light");
   else if (!needs.diffuse_reflection)
     skip("no surface reflects diffusely");
-  else if (needs.see_through && integrator == IntegratorKind::two_pass)
+  else if (needs.see_through && integrator != IntegratorKind::radiosity)
     skip("light passes through masks, which the solution takes for opaque");
   else if (limits.max_depth >= 0 && limits.max_depth < edges_to_solution(integrator))
     skip("paths are too short to read it");

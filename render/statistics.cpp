@@ -32,6 +32,14 @@ ordered_json radiosity_json(const std::optional<RadiosityStats>& stats) {
           {"memory_bytes", stats->memory_bytes}};
 }
 
+ordered_json bias_json(const std::optional<Certificate>& bias) {
+  if (!bias) return nullptr;
+  return {{"mean", bias->mean},
+          {"ci95", number_or_null(bias->ci95)},
+          {"samples", bias->samples},
+          {"rays", bias->counts.rays + bias->counts.shadow_rays}};
+}
+
 ordered_json render_json(const RenderStatistics& s) {
   if (!s.is_render) return nullptr;
   const double pixels = static_cast<double>(s.width) * s.height;
@@ -49,7 +57,8 @@ ordered_json render_json(const RenderStatistics& s) {
           {"stop_reason", s.outcome.stop_reason},
           {"pixels_stopped_early", s.outcome.pixels_stopped_early},
           {"sampler", s.sampler},
-          {"bias", s.bias.empty() ? ordered_json(nullptr) : ordered_json(s.bias)}};
+          {"clamped", s.clamped.empty() ? ordered_json(nullptr) : ordered_json(s.clamped)},
+          {"bias", bias_json(s.bias)}};
 }
 
 }  // namespace

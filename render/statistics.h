@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "radiosity/options.h"
+#include "render/certificate.h"
 #include "render/plan.h"
 #include "render/render_image.h"
 #include "render/stopwatch.h"
@@ -19,7 +20,8 @@ struct RenderStatistics {
   std::optional<RadiosityStats> radiosity;
   bool is_render = true;  ///< false: the radiosity pass alone, all below but threads and seed is not used
   std::string integrator, sampler;
-  std::string bias;  ///< what was clamped, in words; empty: nothing
+  std::string clamped;  ///< what was clamped, in words; empty: nothing
+  std::optional<Certificate> bias;
   int width = 0, height = 0;
   std::uint64_t samples = 0;
   RenderOutcome outcome;

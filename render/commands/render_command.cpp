@@ -1,6 +1,7 @@
 // twopass render: one picture.
 #include <cstdio>
 
+#include "radiosity/guide.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
 #include "render/commands/radiosity_options.h"
@@ -30,6 +31,7 @@ struct RenderOptions {
   RadiosityCommandOptions radiosity;
   std::string solution_file;
   DisplayOptions display;
+  bool certificate = true;
 };
 
 // The settings of the file with the command line's put over them.
@@ -106,7 +108,7 @@ Settings settle(const RenderOptions& options, const FileSettings& file, const Co
 }
 
 // What the clamps do to the picture, in words; empty without them.
-std::string bias_text(const PathLimits& limits) {
+std::string clamp_text(const PathLimits& limits) {
   std::string text;
   const auto add = [&](const char* what, float most) {
     if (most == infinity_f) return;
@@ -156,7 +158,8 @@ std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& o
   RadiosityOptions radiosity = options.radiosity.settle(settings.seed);
   radiosity.max_reflections = max_reflections;
   if (settings.integrator == IntegratorKind::two_pass)
-    radiosity.gathered_pixels = static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
+    radiosity.gathered_pixels =
+        static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
   const Stopwatch stopwatch;
   Solution solution = options.solution_file.empty()
                           ? solve_radiosity(scene, radiosity)
@@ -174,9 +177,37 @@ std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& o
   return solution;
 }
 
+// A guide costs about this many rays: where fewer are to be cast, it would only cost.
+constexpr double rays_of_guide = 1e6;
+// Of the rays of a picture, those of its certificate.
+constexpr double certificate_share = 0.05;
+
+// Measures the bias of a picture that reads a solution (I13).
+std::optional<Certificate> run_certificate(const Scene& scene, const Solution& solution,
+                                           const Integrator& integrator, const Guide* guide,
+                                           const Camera& camera, const Settings& settings,
+                                           const RenderOutcome& outcome) {
+  const double rays = certificate_share * static_cast<double>(outcome.counts.rays + outcome.counts.shadow_rays);
+  std::optional<Guide> own;
+  if (!guide && rays > 2.0 * rays_of_guide) guide = &own.emplace(scene, solution);
+  // What clamps do to the picture is part of its bias.
+  PathLimits limits = settings.limits;
+  limits.clamp_direct = limits.clamp_indirect = infinity_f;
+  const std::unique_ptr<Integrator> truth =
+      make_integrator(IntegratorKind::unbiased, scene, &solution, nullptr, limits, guide);
+  return certify({.biased = integrator,
+                  .unbiased = *truth,
+                  .camera = camera,
+                  .width = settings.window.size.x,
+                  .height = settings.window.size.y,
+                  .corner = settings.window.corner,
+                  .seed = settings.seed,
+                  .most_rays = rays});
+}
+
 // What the picture may look up instead of gathering. Its time and rays are part of pass one.
-std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* solution, const Settings& settings,
-                                           const Plan& plan, const Console& console,
+std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* solution,
+                                           const Settings& settings, const Plan& plan, const Console& console,
                                            RenderStatistics& statistics) {
   if (!plan.indirect_field) return std::nullopt;
   const Stopwatch stopwatch;
@@ -188,7 +219,8 @@ std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* s
   statistics.radiosity_time.cpu_seconds += elapsed.cpu_seconds;
   statistics.radiosity->rays += field.rays();
   char text[120];
-  std::snprintf(text, sizeof text, "indirect light: looked up on %.0f %% of the area, gathered elsewhere, %.2f s",
+  std::snprintf(text, sizeof text,
+                "indirect light: looked up on %.0f %% of the area, gathered elsewhere, %.2f s",
                 100.0 * field.trusted_share(), elapsed.seconds);
   console.note(text);
   return field;
@@ -208,7 +240,11 @@ ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, c
                   {"twopass/spp", static_cast<float>(static_cast<double>(s.samples) / pixels)},
                   {"twopass/seed", static_cast<int>(s.seed)},
                   {"twopass/stopReason", s.outcome.stop_reason}};
-  if (!s.bias.empty()) exr.metadata.emplace_back("twopass/bias", s.bias);
+  if (!s.clamped.empty()) exr.metadata.emplace_back("twopass/bias", s.clamped);
+  if (s.bias) {
+    exr.metadata.emplace_back("twopass/biasMean", static_cast<float>(s.bias->mean));
+    exr.metadata.emplace_back("twopass/biasCi95", static_cast<float>(s.bias->ci95));
+  }
   return exr;
 }
 
@@ -222,7 +258,10 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
   if (s.outcome.pixels_stopped_early > 0.0)
     std::printf(", %.3g %% of the pixels stopped early", 100.0 * s.outcome.pixels_stopped_early);
   std::printf(", %.2f s (%.2f s CPU)\n", s.total.seconds, s.total.cpu_seconds);
-  if (!s.bias.empty()) std::printf("biased: %s W/(m2 sr) a path\n", s.bias.c_str());
+  if (!s.clamped.empty()) std::printf("biased: %s W/(m2 sr) a path\n", s.clamped.c_str());
+  if (s.bias)
+    std::printf("bias of the picture's mean: %+.2f %% +- %.2f %% (95 %% confidence, %.2g samples)\n",
+                100.0 * s.bias->mean, 100.0 * s.bias->ci95, static_cast<double>(s.bias->samples));
   // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16).
   if (std::isfinite(s.relative_error) && s.relative_error_bound > 1.22 * s.relative_error) {
     char text[200];
@@ -278,10 +317,12 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
       prepare_field(scene, solution ? &*solution : nullptr, settings, plan, console, s);
 
   stopwatch = Stopwatch();
+  std::optional<Guide> guide;
+  if (solution && is_guided(settings.integrator)) guide.emplace(scene, *solution);
   Film film(settings.window.size.x, settings.window.size.y);
   const std::unique_ptr<Integrator> integrator =
       make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, field ? &*field : nullptr,
-                      settings.limits);
+                      settings.limits, guide ? &*guide : nullptr);
   const Camera camera(camera_description, settings.width, settings.height);
   const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
                                                           settings.goal.samples_per_pixel)
@@ -299,6 +340,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                               .corner = settings.window.corner},
                              film);
   }
+  if (solution && options.certificate && settings.integrator == IntegratorKind::two_pass)
+    s.bias =
+        run_certificate(scene, *solution, *integrator, guide ? &*guide : nullptr, camera, settings, s.outcome);
   s.render = stopwatch.elapsed();
   note_tiled_textures(console, loaded.tiled_textures);
 
@@ -307,7 +351,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.skipped = plan.skipped;
   s.skipped.insert(s.skipped.end(), loaded.left_out.begin(), loaded.left_out.end());
   s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);
-  s.bias = bias_text(settings.limits);
+  s.clamped = clamp_text(settings.limits);
   s.sampler = name_of_value<SamplerKind>(sampler_names, settings.sampler);
   s.width = settings.window.size.x;
   s.height = settings.window.size.y;
@@ -346,7 +390,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
                   "Picture to write (repeatable): .exr scene-linear; .png, .jpg, .tif display-referred")
       ->required()
       ->allow_extra_args(false);
-  command.add_option("--integrator", options->integrator, "twopass, path, radiosity or direct");
+  command.add_option("--integrator", options->integrator, "twopass, unbiased, path, radiosity or direct");
   command.add_option("--sampler", options->sampler,
                      "sobol (default, whatever the scene says), stratified or independent");
   command.add_option("--spp", options->goal.samples_per_pixel, "Stop at this many samples a pixel")
@@ -388,6 +432,8 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
       .add_option("--exr-type", options->exr_type,
                   "Pixels of .exr files (default: as the scene says, else half)")
       ->check(CLI::IsMember({"half", "float"}));
+  command.add_flag("!--no-certificate", options->certificate,
+                   "Do not measure the bias of twopass, which costs about 5 % of the rays");
   command.add_option("--stats", options->stats_file, "Write statistics as JSON");
   command.callback(
       [options, &global, &action] { action = [options, &global] { return render(*options, global); }; });

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"
+#include "radiosity/guide.h"
 #include "render/core/warp.h"
 #include "tests/support/scenes.h"
 
@@ -42,7 +43,10 @@ TEST_P(TraceTest, BundlesOfAnySizeSeeWhatSingleRaysSee) {
   options.rays_per_element = 64;
   std::optional<Solution> solution;
   if (reads_solution(GetParam())) solution.emplace(solve_radiosity(scene, options));
-  const auto integrator = make_integrator(GetParam(), scene, solution ? &*solution : nullptr, {});
+  std::optional<Guide> guide;
+  if (is_guided(GetParam())) guide.emplace(scene, *solution);
+  const auto integrator = make_integrator(GetParam(), scene, solution ? &*solution : nullptr, nullptr, {},
+                                          guide ? &*guide : nullptr);
   const std::vector<PathSample> start = samples_from(V3f(0.5f, 0.2f, 0.5f), 3000);
   std::vector<PathSample> single = start;
   RayCounts single_counts;
@@ -67,7 +71,8 @@ TEST_P(TraceTest, BundlesOfAnySizeSeeWhatSingleRaysSee) {
 
 INSTANTIATE_TEST_SUITE_P(Integrators, TraceTest,
                          testing::Values(IntegratorKind::path, IntegratorKind::two_pass,
-                                         IntegratorKind::radiosity, IntegratorKind::direct),
+                                         IntegratorKind::unbiased, IntegratorKind::radiosity,
+                                         IntegratorKind::direct),
                          [](const testing::TestParamInfo<IntegratorKind>& model) {
                            return std::string(name_of_value<IntegratorKind>(integrator_names, model.param));
                          });

@@ -177,12 +177,12 @@ TEST_F(Program, ClampsAreSaidEverywhere) {
   const std::string words = "direct light clamped to 4, indirect light clamped to 0.5";
   EXPECT_NE(result.out.find("biased: " + words + " W/(m2 sr)"), std::string::npos) << result.out;
   EXPECT_NE(read(folder_ / "a.exr").find(words), std::string::npos) << "twopass/bias";
-  EXPECT_EQ(nlohmann::json::parse(read(folder_ / "s.json"))["render"]["bias"], words);
+  EXPECT_EQ(nlohmann::json::parse(read(folder_ / "s.json"))["render"]["clamped"], words);
   const std::string clamped = read(folder_ / "a.exr");
   const Outcome free = run(arguments);
   EXPECT_EQ(free.out.find("biased"), std::string::npos);
   EXPECT_EQ(read(folder_ / "a.exr").find("twopass/bias"), std::string::npos);
-  EXPECT_TRUE(nlohmann::json::parse(read(folder_ / "s.json"))["render"]["bias"].is_null());
+  EXPECT_TRUE(nlohmann::json::parse(read(folder_ / "s.json"))["render"]["clamped"].is_null());
   EXPECT_NE(read(folder_ / "a.exr"), clamped);
 }
 

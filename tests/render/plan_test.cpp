@@ -15,6 +15,7 @@ TEST(Plan, ALitDiffuseRoomNeedsTheRadiosityPass) {
   const SceneDescription room = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
   EXPECT_TRUE(plan(room, IntegratorKind::two_pass).radiosity_pass);
   EXPECT_TRUE(plan(room, IntegratorKind::two_pass).skipped.empty());
+  EXPECT_TRUE(plan(room, IntegratorKind::unbiased).radiosity_pass);
   EXPECT_TRUE(plan(room, IntegratorKind::radiosity).radiosity_pass);
 }
 
@@ -34,6 +35,9 @@ TEST(Plan, EveryReasonToSkipIsGiven) {
       {plan(black, IntegratorKind::two_pass), "no surface reflects diffusely"},
       {plan(masked, IntegratorKind::two_pass),
        "light passes through masks, which the solution takes for opaque"},
+      {plan(masked, IntegratorKind::unbiased),
+       "light passes through masks, which the solution takes for opaque"},
+      {plan(lit, IntegratorKind::unbiased, 2), "paths are too short to read it"},
       {plan(lit, IntegratorKind::two_pass, 2), "paths are too short to read it"},
   };
   for (const auto& c : cases) {

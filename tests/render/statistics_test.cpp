@@ -39,10 +39,21 @@ TEST(Statistics, HoldsEveryFieldOfTheContract) {
     EXPECT_TRUE(json["radiosity"].contains(key)) << key;
   for (const char* key : {"integrator", "width", "height", "spp", "samples", "rays", "shadow_rays",
                           "escaped_rays", "non_finite_samples", "relative_error", "relative_error_bound",
-                          "stop_reason", "pixels_stopped_early", "sampler", "bias"})
+                          "stop_reason", "pixels_stopped_early", "sampler", "clamped", "bias"})
     EXPECT_TRUE(json["render"].contains(key)) << key;
   for (const char* key : {"peak_memory_bytes", "threads", "seed"}) EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["render"]["spp"], 10.0);
+}
+
+TEST(Statistics, HoldsTheCertificateOrNull) {
+  RenderStatistics s;
+  s.width = s.height = 1;
+  EXPECT_TRUE(written(s)["render"]["bias"].is_null());
+  s.bias = Certificate{.mean = -0.0125, .ci95 = 0.0025, .samples = 4096, .counts = {}};
+  const auto bias = written(s)["render"]["bias"];
+  EXPECT_EQ(bias["mean"], -0.0125);
+  EXPECT_EQ(bias["ci95"], 0.0025);
+  EXPECT_EQ(bias["samples"], 4096);
 }
 
 TEST(Statistics, ASkippedPassIsNullWithItsReasonAndNothingIsInfinite) {

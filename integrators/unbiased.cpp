@@ -1,0 +1,85 @@
+#include "integrators/unbiased.h"
+
+#include "integrators/look_up.h"
+#include "integrators/trace.h"
+
+namespace twopass {
+
+namespace {
+
+// A path survives with the part of the picture's radiance that it is expected to bring, times this (I12).
+constexpr float window = 2.0f;
+// Never less often than this, so that light of which the solution knows nothing is not too dear.
+constexpr float least_survival = 0.1f;
+// Of the directions of surfaces that do not reflect by the cosine alone.
+constexpr float guided_share = 0.5f;
+
+// The part of the directions that the guide draws. Under one flat normal the cosine that it knows is all there
+// is.
+float share_of_guide(const Vertex& vertex, const Guide::Lobe& lobe) {
+  if (lobe.empty()) return 0.0f;
+  const bool is_flat = vertex.point().shading.n == vertex.point().geometric_normal;
+  if (std::holds_alternative<Diffuse>(vertex.bsdf()) && is_flat) return 1.0f;
+  return is_black(diffuse_reflectance(vertex.bsdf())) ? 0.0f : guided_share;
+}
+
+// The root mean square over the channels of what the path brings as a part of what is expected.
+float relative(const C3f& brings, const C3f& expected) {
+  float sum = 0.0f;
+  for (int c = 0; c < 3; ++c)
+    if (expected[c] > 0.0f) sum += (brings[c] / expected[c]) * (brings[c] / expected[c]);
+  return std::sqrt(sum * (1.0f / 3.0f));
+}
+
+// Ends the path with what the solution says that it would still find, or has it go on for the rest (I12).
+// False: ended.
+bool settle(Vertex& vertex, const C3f& cached) {
+  const C3f brings = vertex.throughput() * cached;
+  C3f& expected = vertex.expected();
+  float survival = 1.0f;
+  if (is_black(expected))
+    expected = brings;
+  else
+    survival = std::clamp(window * relative(brings, expected), least_survival, 1.0f);
+  if (vertex.is_long()) survival = std::min(survival, vertex.survival());
+  if (survival >= 1.0f) {
+    vertex.settle(1.0f);
+    return true;
+  }
+  if (vertex.sampler().next_1d() >= survival) {
+    vertex.add(cached);
+    return false;
+  }
+  const float scale = 1.0f / survival;
+  vertex.add(cached * (1.0f - scale));
+  vertex.settle(scale);
+  return true;
+}
+
+}  // namespace
+
+Unbiased::Unbiased(const Scene& scene, const Solution* solution, const Guide* guide, const PathLimits& limits)
+    : scene_(scene), solution_(solution), guide_(guide), limits_(limits) {
+  const bool is_limited =
+      limits.max_depth >= 0 || std::isfinite(limits.clamp_direct) || std::isfinite(limits.clamp_indirect);
+  returns_cached_ = solution != nullptr && !is_limited;
+}
+
+void Unbiased::trace(std::span<PathSample> samples, RayCounts& counts) const {
+  trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
+    if (is_specular(vertex.bsdf())) return Step::scatter;
+    const std::uint32_t element = solution_ ? solution_->mesh().find(vertex.point()) : no_index;
+    if (element == no_index) return Step::light_and_scatter;
+    // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
+    if (returns_cached_ && std::holds_alternative<Diffuse>(vertex.bsdf()) &&
+        !settle(vertex, reflected_radiance(vertex.bsdf(), solution_->irradiances()[element])))
+      return Step::end;
+    if (guide_) {
+      const Guide::Lobe lobe = guide_->at(element, vertex.point().geometric_normal);
+      vertex.guide_by(lobe, share_of_guide(vertex, lobe));
+    }
+    return Step::light_and_scatter;
+  });
+}
+
+}  // namespace twopass

@@ -1,0 +1,30 @@
+// Path tracing that uses the radiosity solution without believing it: paths are guided to where the solution
+// says that light comes from, and are ended early at the price of what it says that they would have found.
+// Whatever the solution holds, the expectation is that of the path tracer.
+#pragma once
+
+#include "integrators/integrator.h"
+#include "radiosity/solution.h"
+
+namespace twopass {
+
+class Guide;
+
+class Unbiased final : public Integrator {
+ public:
+  /// `solution` and `guide` may be null: then paths are ended as in the path tracer, and drawn as there. Limits
+  /// on the number of edges or on what a path may add have the paths ended as in the path tracer, too: the
+  /// solution knows nothing of them. REQUIRES: scene, solution and guide outlive the integrator; the guide is
+  /// of the solution.
+  Unbiased(const Scene& scene, const Solution* solution, const Guide* guide, const PathLimits& limits);
+  void trace(std::span<PathSample> samples, RayCounts& counts) const override;
+
+ private:
+  const Scene& scene_;
+  const Solution* solution_;
+  const Guide* guide_;
+  PathLimits limits_;
+  bool returns_cached_;
+};
+
+}  // namespace twopass

@@ -1,0 +1,112 @@
+#include "render/certificate.h"
+
+#include <array>
+#include <vector>
+
+#include "render/core/interrupt.h"
+#include "render/core/parallel.h"
+
+namespace twopass {
+
+namespace {
+
+// Independent batches, and Student's t for 95 % with one degree of freedom less.
+constexpr std::uint32_t batches = 32;
+constexpr double student_t = 2.0395;
+constexpr std::uint32_t pilot_samples = 64;  // a batch
+constexpr std::uint32_t most_samples = 1u << 24;
+// So that the samples are none of the picture's.
+constexpr std::uint32_t own_seeds = 0x9d5c0f3bu;
+
+struct Sums {
+  double biased = 0.0, unbiased = 0.0;
+  RayCounts counts;
+  void add(const Sums& other) {
+    biased += other.biased;
+    unbiased += other.unbiased;
+    counts.rays += other.counts.rays;
+    counts.shadow_rays += other.counts.shadow_rays;
+  }
+};
+
+double total(std::span<const PathSample> samples) {
+  double sum = 0.0;
+  for (const PathSample& sample : samples)
+    if (const double value = mean_component(sample.seen.radiance); std::isfinite(value)) sum += value;
+  return sum;
+}
+
+// Samples [begin, end) of a batch. A batch is one sequence of Sobol points over picture and paths, scrambled by
+// itself: evenly spread, and independent of the other batches.
+Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, std::uint32_t end) {
+  std::vector<PathSample> samples;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    Sampler sampler(job.seed ^ own_seeds, batch, i);
+    const V2f u = sampler.next_2d();
+    const V2f at(static_cast<float>(job.corner.x) + u.x * static_cast<float>(job.width),
+                 static_cast<float>(job.corner.y) + u.y * static_cast<float>(job.height));
+    const CameraRay seen = job.camera.has_lens() ? job.camera.ray(at, sampler.next_2d()) : job.camera.ray(at);
+    samples.push_back({seen.ray, sampler, {}, seen.reach});
+  }
+  std::vector<PathSample> same = samples;
+  Sums sums;
+  job.biased.trace(samples, sums.counts);
+  job.unbiased.trace(same, sums.counts);
+  sums.biased = total(samples);
+  sums.unbiased = total(same);
+  return sums;
+}
+
+// The samples [begin, end) of every batch, added to what the batches have. False: interrupted.
+bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end,
+               std::array<Sums, batches>& of_batch) {
+  constexpr auto grain = static_cast<std::uint32_t>(bundle_size);
+  const std::uint32_t pieces = (end - begin + grain - 1) / grain;
+  std::vector<Sums> of_piece(std::size_t{batches} * pieces);
+  parallel_for(of_piece.size(), 1, [&](std::size_t first, std::size_t past) {
+    for (std::size_t k = first; k < past && !interrupt_requested(); ++k) {
+      const auto batch = static_cast<std::uint32_t>(k / pieces);
+      const std::uint32_t from = begin + static_cast<std::uint32_t>(k % pieces) * grain;
+      of_piece[k] = trace(job, batch, from, std::min(from + grain, end));
+    }
+  });
+  for (std::size_t k = 0; k < of_piece.size(); ++k) of_batch[k / pieces].add(of_piece[k]);
+  return !interrupt_requested();
+}
+
+// The quotient of the sums, and its standard error from the scatter of the batches (I14).
+std::optional<Certificate> conclude(const std::array<Sums, batches>& of_batch, std::uint32_t samples) {
+  Sums all;
+  for (const Sums& sums : of_batch) all.add(sums);
+  if (!(all.unbiased > 0.0)) return std::nullopt;
+  Certificate result;
+  result.mean = (all.biased - all.unbiased) / all.unbiased;
+  double squares = 0.0;
+  for (const Sums& sums : of_batch) {
+    const double residual = sums.biased - (1.0 + result.mean) * sums.unbiased;
+    squares += residual * residual;
+  }
+  const double mean = all.unbiased / batches;
+  result.ci95 = student_t * std::sqrt(squares / (batches - 1) / batches) / mean;
+  result.samples = std::uint64_t{samples} * batches;
+  result.counts = all.counts;
+  return result;
+}
+
+}  // namespace
+
+std::optional<Certificate> certify(const CertificateJob& job) {
+  std::array<Sums, batches> of_batch{};
+  if (!trace_all(job, 0, pilot_samples, of_batch)) return std::nullopt;
+  const std::optional<Certificate> pilot = conclude(of_batch, pilot_samples);
+  if (!pilot) return pilot;
+  // How many is decided once: samples that are added until the interval looks good would make it look too good.
+  const double rays = static_cast<double>(pilot->counts.rays + pilot->counts.shadow_rays);
+  const double wanted = std::pow(pilot->ci95 / job.close_enough, 2.0);
+  const double factor = std::min({wanted, job.most_rays / rays, double{most_samples} / pilot_samples});
+  const auto samples = static_cast<std::uint32_t>(pilot_samples * std::max(factor, 1.0));
+  if (samples > pilot_samples && !trace_all(job, pilot_samples, samples, of_batch)) return std::nullopt;
+  return conclude(of_batch, samples);
+}
+
+}  // namespace twopass

@@ -1,0 +1,36 @@
+// The certificate: how much a picture's mean is off because its integrator is biased, measured against one that
+// is not, with an interval of confidence.
+#pragma once
+
+#include <optional>
+
+#include "integrators/integrator.h"
+#include "render/scene/camera.h"
+
+namespace twopass {
+
+struct CertificateJob {
+  const Integrator& biased;
+  const Integrator& unbiased;
+  const Camera& camera;
+  int width = 0, height = 0;  ///< of the part of the picture that was rendered
+  V2i corner{0, 0};           ///< and where it begins
+  std::uint32_t seed = 0;
+  double most_rays = 0.0;      ///< about as many, of all kinds; a pilot of 2048 samples is cast in any case
+  double close_enough = 1e-3;  ///< no more samples than this half width of the interval seems to need
+};
+
+/// What there is to say about a picture's mean over all pixels and channels, relative to the truth's: positive
+/// if the picture is too bright.
+struct Certificate {
+  double mean = 0.0;  ///< the estimate
+  double ci95 = 0.0;  ///< half width of its 95 % interval
+  std::uint64_t samples = 0;
+  RayCounts counts;
+};
+
+/// Both integrators see the same camera rays and draw the same random numbers, so that what they do alike
+/// cancels (I13). The same on any number of threads. None where the picture is black or the user interrupts.
+std::optional<Certificate> certify(const CertificateJob& job);
+
+}  // namespace twopass

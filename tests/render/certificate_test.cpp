@@ -1,0 +1,155 @@
+#include "render/certificate.h"
+
+#include <gtest/gtest.h>
+
+#include "integrators/make_integrator.h"
+#include "render/core/interrupt.h"
+#include "render/core/parallel.h"
+#include "tests/support/scenes.h"
+#include "tests/support/statistics.h"
+
+namespace twopass {
+namespace {
+
+constexpr int width = 16, height = 12;
+
+const CameraDescription view{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x};
+
+// A room below a bright ceiling, and a solution of it on large elements with a fifth too much light.
+struct CoarseRoom {
+  Scene scene;
+  Solution solution;
+  Camera camera{view, width, height};
+  std::unique_ptr<Integrator> two_pass, unbiased, path;
+
+  CoarseRoom() : scene(description()), solution(brightened(solve_radiosity(scene, coarse()))) {
+    two_pass = make_integrator(IntegratorKind::two_pass, scene, &solution, {});
+    unbiased = make_integrator(IntegratorKind::unbiased, scene, &solution, {});
+    path = make_integrator(IntegratorKind::path, scene, nullptr, {});
+  }
+  static SceneDescription description() {
+    SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(1.0f), C3f(0.5f));
+    test::add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f),
+                  one_sided("box", Diffuse{C3f(0.6f)}));
+    return scene;
+  }
+  static RadiosityOptions coarse() {
+    RadiosityOptions options;
+    options.max_elements = 600;
+    options.subdivision = Subdivision::uniform;
+    return options;
+  }
+  static Solution brightened(const Solution& solved) {
+    std::vector<Irradiance> irradiance;
+    for (const Irradiance& h : solved.irradiances()) irradiance.push_back({h.direct * 1.2f, h.indirect * 1.2f});
+    return Solution(solved.mesh(), std::move(irradiance), solved.stats());
+  }
+  [[nodiscard]] CertificateJob job(const Integrator& biased, std::uint32_t seed, double most_rays = 0.0) const {
+    return {.biased = biased,
+            .unbiased = *unbiased,
+            .camera = camera,
+            .width = width,
+            .height = height,
+            .seed = seed,
+            .most_rays = most_rays};
+  }
+  // The mean over the picture, from batches of Sobol points over picture and paths.
+  [[nodiscard]] test::Estimate mean(const Integrator& integrator, std::uint32_t seed,
+                                    std::uint32_t samples) const {
+    constexpr std::uint32_t batches = 32;
+    test::Estimate estimate;
+    RayCounts counts;
+    for (std::uint32_t batch = 0; batch < batches; ++batch) {
+      double sum = 0.0;
+      std::vector<PathSample> traced;
+      for (std::uint32_t i = 0; i < samples / batches; ++i) {
+        Sampler sampler(seed, batch, i);
+        const V2f u = sampler.next_2d();
+        traced.push_back({camera.ray({u.x * width, u.y * height}).ray, sampler});
+      }
+      integrator.trace(traced, counts);
+      for (const PathSample& sample : traced) sum += mean_component(sample.seen.radiance);
+      estimate.add(sum / (samples / batches));
+    }
+    return estimate;
+  }
+};
+
+TEST(Certificate, ItsIntervalHoldsTheBiasAsOftenAsItSays) {
+  const CoarseRoom room;
+  const test::Estimate biased = room.mean(*room.two_pass, 101, 1 << 18),
+                       truth = room.mean(*room.path, 102, 1 << 20);
+  const double bias = biased.mean() / truth.mean() - 1.0;
+  const double error =
+      std::hypot(biased.standard_error() / biased.mean(), truth.standard_error() / truth.mean());
+  constexpr int seeds = 100;
+  int held = 0;
+  double widths = 0.0;
+  for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
+    const std::optional<Certificate> certificate = certify(room.job(*room.two_pass, seed));
+    ASSERT_TRUE(certificate);
+    EXPECT_EQ(certificate->samples, 2048u);
+    if (std::abs(certificate->mean - bias) <= certificate->ci95) ++held;
+    widths += certificate->ci95 / seeds;
+  }
+  // The bias is there, and certificates tell it from none; the reference is good enough to judge them by.
+  EXPECT_GT(std::abs(bias), widths);
+  EXPECT_LT(error, 0.15 * widths);
+  // Of 100 intervals of 95 % fewer than 87 hold the truth once in 2000.
+  EXPECT_GE(held, 87) << "bias " << bias << " +- " << error << ", mean half width " << widths;
+  RecordProperty("held", held);
+}
+
+TEST(Certificate, OfAnIntegratorWithoutBiasItHoldsZero) {
+  const CoarseRoom room;
+  int held = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const std::optional<Certificate> certificate = certify(room.job(*room.path, seed));
+    ASSERT_TRUE(certificate);
+    if (std::abs(certificate->mean) <= certificate->ci95) ++held;
+  }
+  EXPECT_GE(held, 15);  // fewer: once in 3000
+}
+
+TEST(Certificate, TakesTheRaysItMayAndStopsWhenItIsGoodEnough) {
+  const CoarseRoom room;
+  CertificateJob job = room.job(*room.two_pass, 1, 2e5);
+  job.close_enough = 1e-6;
+  const std::optional<Certificate> long_one = certify(job);
+  ASSERT_TRUE(long_one);
+  const double rays = static_cast<double>(long_one->counts.rays + long_one->counts.shadow_rays);
+  EXPECT_NEAR(rays / 2e5, 1.0, 0.1);
+  job.close_enough = 1e-2;
+  const std::optional<Certificate> short_one = certify(job);
+  ASSERT_TRUE(short_one);
+  EXPECT_LT(short_one->samples, long_one->samples);
+  EXPECT_LT(long_one->ci95, short_one->ci95);
+}
+
+TEST(Certificate, IsTheSameOnAnyNumberOfThreads) {
+  const CoarseRoom room;
+  std::vector<Certificate> certificates;
+  for (const int threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    certificates.push_back(certify(room.job(*room.two_pass, 1, 1e5)).value());
+  }
+  EXPECT_EQ(certificates[0].mean, certificates[1].mean);
+  EXPECT_EQ(certificates[0].ci95, certificates[1].ci95);
+}
+
+TEST(Certificate, ThereIsNoneOfABlackPictureOrAfterAnInterrupt) {
+  SceneDescription dark = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
+  const Scene scene(std::move(dark));
+  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, {});
+  const Camera camera(view, width, height);
+  EXPECT_FALSE(
+      certify({.biased = *path, .unbiased = *path, .camera = camera, .width = width, .height = height}));
+  const CoarseRoom room;
+  interrupt_requested() = true;
+  const auto interrupted = certify(room.job(*room.two_pass, 1));
+  interrupt_requested() = false;
+  EXPECT_FALSE(interrupted);
+}
+
+}  // namespace
+}  // namespace twopass
