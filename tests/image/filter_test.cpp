@@ -169,7 +169,9 @@ TEST_P(SignedFilterTest, DensityIntegratesToOneAndCoversTheKernel) {
   for (int i = -steps; i < steps; ++i) {
     const V2f middle((static_cast<float>(i) + 0.5f) / 512.0f, 0.25f);
     along += filter_pdf(filter, middle) / 512.0;
-    if (filter_value(filter, middle) != 0.0f) EXPECT_GT(filter_pdf(filter, middle), 0.0f);
+    if (filter_value(filter, middle) != 0.0f) {
+      EXPECT_GT(filter_pdf(filter, middle), 0.0f);
+    }
   }
   const V2f reference(0.25f, 0.25f);
   const double across = std::sqrt(static_cast<double>(filter_pdf(filter, reference)));  // the marginal at 0.25
@@ -219,7 +221,9 @@ TEST_P(SignedFilterTest, WeightsAreOneOnAverage) {
   }
   EXPECT_NEAR(sum / grid, 1.0, 1e-3);
   EXPECT_LT(most, 4.0) << "drawn by magnitude, so that no weight is much larger than others";
-  if (filter.radius > 1.0f) EXPECT_LT(least, -1.0);
+  if (filter.radius > 1.0f) {
+    EXPECT_LT(least, -1.0);
+  }
 }
 
 TEST(Filter, CubicsAreThoseOfMitchellAndNetravali) {

@@ -33,7 +33,9 @@ TEST_F(UnsupportedTest, IsRefusedByNameAndCanBeLeftOut) {
     expect_error([&] { all_of(object); },
                  {"scene.xml:2: " + name + " is not supported; supported " + tag + "s: ",
                   "--ignore-unsupported renders what is left"});
-    if (type != std::string_view("nothing_known")) EXPECT_NE(advice_on(tag, type), "") << name;
+    if (type != std::string_view("nothing_known")) {
+      EXPECT_NE(advice_on(tag, type), "") << name;
+    }
     const LoadedScene rest = rest_of(object + "<shape type='sphere'/>");
     EXPECT_EQ(rest.scene.shapes.size(), 1u) << name;
     ASSERT_EQ(rest.left_out.size(), 1u) << name;

@@ -152,7 +152,9 @@ TEST(Camera, FramingCameraSeesAllCorners) {
         largest = std::max({largest, std::abs(p.x) / (half * p.z), std::abs(p.y) / (half * p.z)});
       }
       EXPECT_LE(largest, 1.0001);
-      if (size.length() > 0.0f) EXPECT_GE(largest, 0.85) << "as near as that allows";
+      if (size.length() > 0.0f) {
+        EXPECT_GE(largest, 0.85) << "as near as that allows";
+      }
     }
   EXPECT_NO_THROW(framing_camera(Box3f()));
 }
