@@ -1,8 +1,6 @@
 // Direct light at a vertex by next-event estimation, weighed against scattered rays.
 #pragma once
 
-#include <optional>
-
 #include "integrators/integrator.h"
 
 namespace twopass {
@@ -17,7 +15,7 @@ inline float power_heuristic(float own, float other) {
 /// A light sample that waits for its shadow ray.
 struct Connection {
   Segment segment;  ///< from the surface to the light, clear of both
-  C3f radiance;     ///< what the light adds if nothing is in between
+  C3f radiance;     ///< what the light adds if nothing is in between; black: no ray is needed
 };
 
 /// A vertex as the lights see it.
@@ -35,26 +33,35 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
   return cosine * unperturbed > 0.0f ? soft_terminator(point.terminator, unperturbed) : 0.0f;
 }
 
-/// One light sample at `point`, weighted against the scattered ray; its radiance is what the surface would
-/// reflect towards wo (local, unit). Nothing where no light can come of it. REQUIRES: the scene has lights; the
-/// surface is not purely specular.
-inline std::optional<Connection> sample_direct_light(const Scene& scene, const SurfacePoint& point,
-                                                     const Bsdf& bsdf, const V3f& wo, Sampler& sampler) {
-  const LightSample light = scene.lights().sample(receiver_at(point, bsdf), sampler.next_2d());
-  if (!(light.pdf_w > 0.0f) || is_black(light.radiance)) return std::nullopt;
+/// Who else finds the lights that next-event estimation samples.
+enum class Rival : std::uint8_t {
+  scattered_ray,  ///< the path goes on: both are weighted (I3)
+  none            ///< the path ends here
+};
+
+/// The light sample of the number u at `point`, weighted against its rival; its radiance is what the
+/// surface would reflect against `direction` (world, unit), which led to it. REQUIRES: the scene has lights;
+/// the surface is not purely specular.
+inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
+                                      const V3f& direction, Rival rival, const V2f& u) {
+  const Connection nothing{{V3f(0.0f), V3f(0.0f)}, C3f(0.0f)};
+  const LightSample light = scene.lights().sample(receiver_at(point, bsdf), u);
+  if (!(light.pdf_w > 0.0f)) return nothing;
   const V3f wi = point.shading.to_local(light.direction);
   const float reached = agreement_of_normals(point, light.direction, wi.z);
-  if (reached == 0.0f) return std::nullopt;
-  const C3f scattered = eval(bsdf, wo, wi) * reached;
-  if (is_black(scattered)) return std::nullopt;
-  float weight = 1.0f / light.pdf_w;
-  if (!light.is_delta) {
-    // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-    const float other = pdf_w(bsdf, wo, wi);
-    weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
-  }
-  return Connection{{spawn_position(point, light.direction), light.position},
-                    scattered * light.radiance * weight};
+  if (reached == 0.0f) return nothing;
+  const C3f radiance = visit_model(bsdf, [&](const auto& model) {
+    // Inside, because Lambert's model does not look at it.
+    const V3f wo = point.shading.to_local(-direction);
+    float weight = 1.0f / light.pdf_w;
+    if (!light.is_delta && rival == Rival::scattered_ray) {
+      // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
+      const float other = model.pdf_w(wo, wi);
+      weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
+    }
+    return C3f(model.eval(wo, wi) * light.radiance * (reached * weight));
+  });
+  return {{spawn_position(point, light.direction), light.position}, radiance};
 }
 
 }  // namespace twopass

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "render/core/sampler.h"
+#include "render/scene/ray_cone.h"
 #include "render/scene/scene.h"
 
 namespace twopass {
@@ -35,6 +36,8 @@ struct PathSample {
   Ray ray;  ///< direction of unit length
   Sampler sampler;
   Seen seen{};
+  float reach = infinity_f;  ///< what lies further along the ray is not seen
+  RayCone cone{};  ///< of the ray; integrators widen it. Closed: textures are looked at in points.
 };
 
 /// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct

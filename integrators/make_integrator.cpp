@@ -7,10 +7,10 @@
 namespace twopass {
 
 std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const PathLimits& limits) {
+                                            const IndirectField* field, const PathLimits& limits) {
   switch (kind) {
     case IntegratorKind::two_pass:
-      return std::make_unique<TwoPass>(scene, solution, limits);
+      return std::make_unique<TwoPass>(scene, solution, field, limits);
     case IntegratorKind::radiosity:
       return std::make_unique<RadiosityView>(scene, solution, limits);
     case IntegratorKind::path:

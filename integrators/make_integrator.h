@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "integrators/integrator.h"
+#include "radiosity/indirect_field.h"
 #include "radiosity/solution.h"
 #include "render/core/names.h"
 
@@ -29,6 +30,6 @@ inline int edges_to_solution(IntegratorKind kind) { return kind == IntegratorKin
 
 /// REQUIRES: scene and solution outlive the integrator. `solution` may be null: the pass was skipped.
 std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const PathLimits& limits);
+                                            const IndirectField* field, const PathLimits& limits);
 
 }  // namespace twopass

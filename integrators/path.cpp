@@ -5,9 +5,8 @@
 namespace twopass {
 
 void PathTracer::trace(std::span<PathSample> samples, RayCounts& counts) const {
-  trace_bundles(scene_, limits_, samples, counts, [](Walk& walk) {
-    if (!is_specular(walk.bsdf())) walk.sample_lights();
-    return walk.leave();
+  trace_bundles(scene_, limits_, samples, counts, [](Vertex& vertex) {
+    return is_specular(vertex.bsdf()) ? Step::scatter : Step::light_and_scatter;
   });
 }
 

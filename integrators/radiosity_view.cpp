@@ -6,11 +6,11 @@
 namespace twopass {
 
 void RadiosityView::trace(std::span<PathSample> samples, RayCounts& counts) const {
-  trace_bundles(scene_, limits_, samples, counts, [this](Walk& walk) {
+  trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
     // Mirrors, glass and rough metals are looked through; at black the path ends.
-    if (is_black(diffuse_reflectance(walk.bsdf()))) return walk.leave();
-    if (solution_) walk.add(reflected_radiance(walk.bsdf(), solution_->smooth_irradiance(walk.point())));
-    return false;
+    if (is_black(diffuse_reflectance(vertex.bsdf()))) return Step::scatter;
+    if (solution_) vertex.add(reflected_radiance(vertex.bsdf(), solution_->smooth_irradiance(vertex.point())));
+    return Step::end;
   });
 }
 

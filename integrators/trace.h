@@ -1,23 +1,26 @@
-// Paths in lock step: a bundle of them moves edge by edge, so that its rays are cast in packets (I6).
+// Paths in lock step: a bundle of them moves edge by edge, so that its rays are cast in packets (I6), and
+// vertex by vertex in stages (I10).
 #pragma once
 
 #include <array>
+#include <memory>
+#include <utility>
 
-#include "integrators/walk.h"
+#include "integrators/vertex.h"
 
 namespace twopass {
 
-/// The driver of a bundle of paths. An integrator is what it does at a vertex: `at_vertex(walk)` may add
-/// radiance, sample the lights once, and draw the next direction; it returns whether the path goes on, as
-/// `walk.leave()` does. Light sampling is linear, so no path waits for its shadow ray: what the ray would carry
-/// is kept beside it, and is added or not.
+/// The driver of a bundle of paths. An integrator is what it does at a vertex: `at_vertex(vertex)` may add
+/// radiance, and says which step comes next. Light sampling is linear, so no path waits for its shadow ray:
+/// what the ray would carry is kept beside it, and is added or not.
 class Bundle {
  public:
   /// REQUIRES: at most bundle_size samples, which outlive the bundle.
-  Bundle(const Scene& scene, std::span<PathSample> samples) : scene_(scene), samples_(samples) {}
+  Bundle(const Scene& scene, const PathLimits& limits, std::span<PathSample> samples)
+      : scene_(scene), limits_(limits), samples_(samples) {}
 
   template <class AtVertex>
-  void trace(const PathLimits& limits, RayCounts& counts, const AtVertex& at_vertex) {
+  void trace(RayCounts& counts, const AtVertex& at_vertex) {
     for (live_ = 0; live_ < samples_.size(); ++live_) {
       samples_[live_].seen = {};
       rays_[live_] = samples_[live_].ray;
@@ -26,7 +29,11 @@ class Bundle {
     for (int edges = 1; live_ > 0; ++edges) {
       counts.rays += live_;
       scene_.caster().intersect({rays_.data(), live_}, hits_, kind_of_edge(edges));
-      counts.escaped_rays += move(limits, edges, at_vertex);
+      if (edges == 1) clip();
+      const std::size_t arriving = live_;
+      live_ = connected_ = 0;
+      for (std::size_t begin = 0; begin < arriving; begin += block_size)
+        move(begin, std::min(begin + block_size, arriving), edges, counts, at_vertex);
       counts.shadow_rays += connected_;
       add_unoccluded();
     }
@@ -35,40 +42,60 @@ class Bundle {
  private:
   // Camera rays are alike; what they meet scatters them.
   static Rays kind_of_edge(int edges) { return edges == 1 ? Rays::coherent : Rays::scattered; }
-  // Takes every live path through the vertex at the end of its edge; those that go on move up in the arrays.
-  // The number of paths that escaped.
+  // The camera does not see what lies beyond its far clipping plane.
+  void clip() {
+    for (std::size_t i = 0; i < live_; ++i)
+      if (hits_[i].t > samples_[i].reach) hits_[i] = {};
+  }
+
+  // Takes the paths [begin, end) through the vertices at the ends of their edges. Those that go on move up in
+  // the arrays, where they never overtake those that are still to come. Each stage is a short loop over all of
+  // them, so that the processor works on several at a time instead of waiting for every number of one (I10).
   template <class AtVertex>
-  std::size_t move(const PathLimits& limits, int edges, const AtVertex& at_vertex) {
-    const std::size_t arriving = live_;
-    std::size_t escaped = 0;
-    live_ = connected_ = 0;
-    for (std::size_t i = 0; i < arriving; ++i) {
+  void move(std::size_t begin, std::size_t end, int edges, RayCounts& counts, const AtVertex& at_vertex) {
+    std::size_t count = arrive(begin, end, edges, counts);
+    const std::size_t arrived = std::exchange(count, 0);
+    for (std::size_t k = 0; k < arrived; ++k) {
+      const Step step = at_vertex(vertices_[k]);
+      if (step == Step::end) continue;
+      vertices_[k].draw(step);
+      leaving_[count++] = static_cast<std::uint8_t>(k);
+    }
+    const auto leaving = std::span(leaving_).first(count);
+    for (const std::uint8_t k : leaving) connect(vertices_[k], vertex_lanes_[k]);
+    for (const std::uint8_t k : leaving)
+      if (vertices_[k].goes_on() && vertices_[k].leave(rays_[live_])) lanes_[live_++] = vertex_lanes_[k];
+  }
+
+  // The number of paths that have arrived at vertices where they may go on.
+  std::size_t arrive(std::size_t begin, std::size_t end, int edges, RayCounts& counts) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
       const std::uint8_t lane = lanes_[i];
       if (hits_[i].escaped()) {
-        ++escaped;
-        escape(scene_, limits, samples_[lane], carried_[lane], rays_[i], edges);
+        ++counts.escaped_rays;
+        escape(scene_, limits_, samples_[lane], carried_[lane], rays_[i], edges);
         continue;
       }
-      Walk walk(scene_, limits, samples_[lane], carried_[lane], rays_[i], hits_[i], edges);
-      if (!walk.arrive()) continue;
-      if (walk.is_hole()) {
-        walk.pass();
-        lanes_[live_] = lane;
-        rays_[live_++] = walk.next_ray();
+      Vertex& vertex = *std::construct_at(&vertices_[count], scene_, limits_, samples_[lane], carried_[lane],
+                                          rays_[i], hits_[i], edges);
+      if (!vertex.arrive()) continue;
+      if (vertex.is_hole()) {
+        rays_[live_] = vertex.pass();
+        lanes_[live_++] = lane;
         continue;
       }
-      const bool goes_on = at_vertex(walk);
-      if (const auto& connection = walk.connection()) {
-        segments_[connected_] = connection->segment;
-        light_[connected_] = {connection->radiance, lane};
-        ++connected_;
-      }
-      if (!goes_on) continue;
-      lanes_[live_] = lane;
-      rays_[live_] = walk.next_ray();
-      ++live_;
+      vertex_lanes_[count++] = lane;
     }
-    return escaped;
+    return count;
+  }
+
+  void connect(const Vertex& vertex, std::uint8_t lane) {
+    if (!vertex.samples_lights()) return;
+    const Connection connection = vertex.sample_lights();
+    if (is_black(connection.radiance)) return;
+    segments_[connected_] = connection.segment;
+    light_[connected_++] = {connection.radiance, lane};
   }
 
   void add_unoccluded() {
@@ -86,7 +113,11 @@ class Bundle {
     C3f radiance;
     std::uint8_t lane;
   };
+  // Few enough to stay in the nearest cache from one stage to the next.
+  static constexpr std::size_t block_size = 32;
+
   const Scene& scene_;
+  const PathLimits& limits_;
   std::span<PathSample> samples_;
   std::array<Carried, bundle_size> carried_;  // by lane, that is by sample
   // By path that is still alive.
@@ -94,6 +125,9 @@ class Bundle {
   std::array<std::uint8_t, bundle_size> lanes_;
   std::array<Ray, bundle_size> rays_;
   std::array<Hit, bundle_size> hits_;
+  // By vertex of the present block; which of them their paths leave.
+  std::array<Vertex, block_size> vertices_;
+  std::array<std::uint8_t, block_size> vertex_lanes_, leaving_;
   // By light sample of the present vertices.
   std::size_t connected_ = 0;
   std::array<Segment, bundle_size> segments_;
@@ -107,7 +141,7 @@ void trace_bundles(const Scene& scene, const PathLimits& limits, std::span<PathS
                    RayCounts& counts, const AtVertex& at_vertex) {
   while (!samples.empty()) {
     const std::size_t count = std::min(samples.size(), bundle_size);
-    Bundle(scene, samples.first(count)).trace(limits, counts, at_vertex);
+    Bundle(scene, limits, samples.first(count)).trace(counts, at_vertex);
     samples = samples.subspan(count);
   }
 }

@@ -17,24 +17,29 @@
 #pragma once
 
 #include "integrators/integrator.h"
+#include "radiosity/indirect_field.h"
 #include "radiosity/solution.h"
 
 namespace twopass {
+
+class Vertex;
 
 class TwoPass final : public Integrator {
  public:
   /// `solution` may be null where the radiosity pass was skipped: then every vertex is evaluated.
   /// REQUIRES: scene and solution outlive the integrator; the solution holds no more bounces than the limits
   /// allow.
-  TwoPass(const Scene& scene, const Solution* solution, const PathLimits& limits)
-      : scene_(scene), solution_(solution), limits_(limits) {}
+  TwoPass(const Scene& scene, const Solution* solution, const IndirectField* field, const PathLimits& limits)
+      : scene_(scene), solution_(solution), field_(field), limits_(limits) {}
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
   [[nodiscard]] bool resolves(const SurfacePoint& point, float distance) const;
+  [[nodiscard]] std::optional<C3f> indirect(const Vertex& vertex) const;
 
   const Scene& scene_;
   const Solution* solution_;
+  const IndirectField* field_;
   PathLimits limits_;
 };
 

@@ -4,30 +4,34 @@ namespace twopass {
 
 namespace {
 
-void assign(C3f& parameter, const Texture& texture, const V2f& uv) { parameter = color_at(texture, uv); }
-void assign(float& parameter, const Texture& texture, const V2f& uv) { parameter = number_at(texture, uv); }
+void assign(C3f& parameter, const Texture& texture, const TexturePoint& where) {
+  parameter = color_at(texture, where);
+}
+void assign(float& parameter, const Texture& texture, const TexturePoint& where) {
+  parameter = number_at(texture, where);
+}
 template <class Setting>
-void assign(Setting&, const Texture&, const V2f&) {}  // settings do not vary: loaders bind no texture to them
+void assign(Setting&, const Texture&, const TexturePoint&) {}  // settings do not vary: loaders bind no texture to them
 
 template <class Model>
-void bind(Model& model, const std::vector<TextureBinding>& textures, const V2f& uv) {
+void bind(Model& model, const std::vector<TextureBinding>& textures, const TexturePoint& where) {
   std::size_t number = 0;
   Model::visit_parameters(model, [&](std::string_view, auto& parameter) {
     for (const TextureBinding& binding : textures)
-      if (binding.parameter == number) assign(parameter, binding.texture, uv);
+      if (binding.parameter == number) assign(parameter, binding.texture, where);
     ++number;
   });
   if constexpr (requires { model.prepare(); }) model.prepare();
 }
 
-Bsdf bound(const TexturedModel& node, const V2f& uv) {
+Bsdf bound(const TexturedModel& node, const TexturePoint& where) {
   Bsdf bsdf = node.bsdf;
-  std::visit([&](auto& model) { bind(model, node.textures, uv); }, bsdf);
+  std::visit([&](auto& model) { bind(model, node.textures, where); }, bsdf);
   return bsdf;
 }
 
-float weight_at(const Mixture& mixture, const V2f& uv) {
-  return std::clamp(number_at(mixture.weight, uv), 0.0f, 1.0f);
+float weight_at(const Mixture& mixture, const TexturePoint& where) {
+  return std::clamp(number_at(mixture.weight, where), 0.0f, 1.0f);
 }
 
 // Turns the frame to the normal `n`, given in the frame's own coordinates with +z on the viewer's side (M29).
@@ -47,7 +51,7 @@ void turn(ShadingGeometry& at, V3f n, const PerturbedNormal& options) {
 }
 
 void perturb(const BumpMap& bump, ShadingGeometry& at) {
-  const V2f slope = gradient_at(bump.height, at.uv) * bump.scale;
+  const V2f slope = gradient_at(bump.height, at.where()) * bump.scale;
   if (slope.x == 0.0f && slope.y == 0.0f) return;
   // Heights are measured along the normal of the front.
   const V3f normal = at.is_back ? -at.frame.n : at.frame.n;
@@ -59,7 +63,7 @@ void perturb(const BumpMap& bump, ShadingGeometry& at) {
 }
 
 void perturb(const NormalMap& map, ShadingGeometry& at) {
-  const C3f color = color_at(map.normal, at.uv);
+  const C3f color = color_at(map.normal, at.where());
   V3f n(2.0f * color.x - 1.0f, 2.0f * color.y - 1.0f, 2.0f * color.z - 1.0f);
   // The map is drawn in the frame of the front, which has the viewer below it on the back: z as it is, x and y
   // turned.
@@ -137,7 +141,7 @@ SideTraits traits_of(const MaterialNode& node);
 
 SideTraits traits_of(const Mixture& node) {
   const SideTraits a = traits_of(*node.first), b = traits_of(*node.second);
-  const float weight = std::clamp(mean_color(node.weight).y, 0.0f, 1.0f);
+  const float weight = std::clamp(mean_number(node.weight), 0.0f, 1.0f);
   return {.mean_diffuse_reflectance =
               a.mean_diffuse_reflectance * (1.0f - weight) + b.mean_diffuse_reflectance * weight,
           .may_be_specular = a.may_be_specular || b.may_be_specular,
@@ -165,9 +169,9 @@ SideTraits traits_of(const MaterialNode& node) {
 }
 
 Bsdf resolve_node(const MaterialNode& node, ShadingGeometry& at, float u) {
-  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) return bound(*model, at.uv);
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) return bound(*model, at.where());
   if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
-    const float weight = weight_at(*mixture, at.uv);
+    const float weight = weight_at(*mixture, at.where());
     // What is left of u chooses among mixtures further down.
     if (u < weight) return resolve_node(*mixture->second, at, u / weight);
     return resolve_node(*mixture->first, at, std::min((u - weight) / (1.0f - weight), 0x1.fffffep-1f));
@@ -181,27 +185,28 @@ Bsdf resolve_node(const MaterialNode& node, ShadingGeometry& at, float u) {
   return resolve_node(*map.nested, at, u);
 }
 
-float transparency_of(const MaterialNode& node, const V2f& uv) {
+float transparency_of(const MaterialNode& node, const TexturePoint& where) {
   if (const auto* model = std::get_if<TexturedModel>(&node.kind))
     return is_see_through(model->bsdf) ? 1.0f : 0.0f;
   if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
-    const float weight = weight_at(*mixture, uv);
-    return transparency_of(*mixture->first, uv) * (1.0f - weight) +
-           transparency_of(*mixture->second, uv) * weight;
+    const float weight = weight_at(*mixture, where);
+    return transparency_of(*mixture->first, where) * (1.0f - weight) +
+           transparency_of(*mixture->second, where) * weight;
   }
-  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) return transparency_of(*bump->nested, uv);
-  return transparency_of(*std::get<NormalMap>(node.kind).nested, uv);
+  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) return transparency_of(*bump->nested, where);
+  return transparency_of(*std::get<NormalMap>(node.kind).nested, where);
 }
 
-C3f diffuse_reflectance_of(const MaterialNode& node, const V2f& uv) {
-  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) return diffuse_reflectance(bound(*model, uv));
+C3f diffuse_reflectance_of(const MaterialNode& node, const TexturePoint& where) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind))
+    return diffuse_reflectance(bound(*model, where));
   if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
-    const float weight = weight_at(*mixture, uv);
-    return diffuse_reflectance_of(*mixture->first, uv) * (1.0f - weight) +
-           diffuse_reflectance_of(*mixture->second, uv) * weight;
+    const float weight = weight_at(*mixture, where);
+    return diffuse_reflectance_of(*mixture->first, where) * (1.0f - weight) +
+           diffuse_reflectance_of(*mixture->second, where) * weight;
   }
-  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) return diffuse_reflectance_of(*bump->nested, uv);
-  return diffuse_reflectance_of(*std::get<NormalMap>(node.kind).nested, uv);
+  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) return diffuse_reflectance_of(*bump->nested, where);
+  return diffuse_reflectance_of(*std::get<NormalMap>(node.kind).nested, where);
 }
 
 MaterialNodePtr behind(const MaterialNodePtr& node) {
@@ -217,6 +222,25 @@ MaterialNodePtr behind(const MaterialNodePtr& node) {
   } else {
     auto& map = std::get<NormalMap>(result.kind);
     map.nested = behind(map.nested);
+  }
+  return std::make_shared<const MaterialNode>(std::move(result));
+}
+
+MaterialNodePtr changed(const MaterialNodePtr& node, const std::function<Texture(const Texture&)>& change) {
+  MaterialNode result = *node;
+  if (auto* model = std::get_if<TexturedModel>(&result.kind)) {
+    for (TextureBinding& binding : model->textures) binding.texture = change(binding.texture);
+  } else if (auto* mixture = std::get_if<Mixture>(&result.kind)) {
+    mixture->weight = change(mixture->weight);
+    mixture->first = changed(mixture->first, change);
+    mixture->second = changed(mixture->second, change);
+  } else if (auto* bump = std::get_if<BumpMap>(&result.kind)) {
+    bump->height = change(bump->height);
+    bump->nested = changed(bump->nested, change);
+  } else {
+    auto& map = std::get<NormalMap>(result.kind);
+    map.normal = change(map.normal);
+    map.nested = changed(map.nested, change);
   }
   return std::make_shared<const MaterialNode>(std::move(result));
 }
@@ -242,13 +266,20 @@ MaterialNodePtr MaterialSide::node() const {
 
 Bsdf MaterialSide::resolve(ShadingGeometry& at, float u) const { return resolve_node(*node_, at, u); }
 
-float MaterialSide::transparency(const V2f& uv) const {
+float MaterialSide::transparency(const TexturePoint& where) const {
   if (!traits_.is_see_through) return 0.0f;
-  return node_ ? transparency_of(*node_, uv) : 1.0f;
+  return node_ ? transparency_of(*node_, where) : 1.0f;
 }
 
-C3f MaterialSide::diffuse_reflectance(const V2f& uv) const {
-  return node_ ? diffuse_reflectance_of(*node_, uv) : traits_.mean_diffuse_reflectance;
+C3f MaterialSide::diffuse_reflectance(const TexturePoint& where) const {
+  return node_ ? diffuse_reflectance_of(*node_, where) : traits_.mean_diffuse_reflectance;
+}
+
+Material with_textures(const Material& material, const std::function<Texture(const Texture&)>& change) {
+  Material result = material;
+  for (MaterialSide& side : result.side)
+    if (!side.is_uniform()) side = MaterialSide(changed(side.node(), change));
+  return result;
 }
 
 Bsdf seen_from_behind(const Bsdf& bsdf) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,9 +63,12 @@ struct ShadingGeometry {
   V2f uv{0.0f, 0.0f};
   V3f dp_du{1.0f, 0.0f, 0.0f}, dp_dv{0.0f, 1.0f, 0.0f};  ///< derivatives of the position, world
   V3f wo{0.0f, 0.0f, 1.0f};                              ///< unit, to the viewer, world
-  Frame frame;              ///< the normal on the viewer's side; perturbed in place
-  bool is_back = false;     ///< the viewer sees the back
-  float terminator = 0.0f;  ///< alpha^2 of (M30); 0 where the normal is not perturbed
+  Frame frame;                ///< the normal on the viewer's side; perturbed in place
+  bool is_back = false;       ///< the viewer sees the back
+  float terminator = 0.0f;    ///< alpha^2 of (M30); 0 where the normal is not perturbed
+  V2f footprint{0.0f, 0.0f};  ///< of TexturePoint
+  MeshPlace place{};
+  [[nodiscard]] TexturePoint where() const { return {uv, footprint, place}; }
 };
 
 /// What there is anywhere on a side: it decides what can be skipped.
@@ -100,10 +104,10 @@ class MaterialSide {
   /// The model at a point, for which the shading frame may be turned. `u` in [0, 1) chooses among mixtures: the
   /// expectation over it is the material. REQUIRES: !is_uniform().
   [[nodiscard]] Bsdf resolve(ShadingGeometry& at, float u) const;
-  /// The share of light that passes straight through at `uv` (masks and null), in [0, 1].
-  [[nodiscard]] float transparency(const V2f& uv) const;
-  /// Albedo of the part that a radiosity solution can hold, at `uv`.
-  [[nodiscard]] C3f diffuse_reflectance(const V2f& uv) const;
+  /// The share of light that passes straight through (masks and null), in [0, 1].
+  [[nodiscard]] float transparency(const TexturePoint& where) const;
+  /// Albedo of the part that a radiosity solution can hold.
+  [[nodiscard]] C3f diffuse_reflectance(const TexturePoint& where) const;
   /// Light goes on, but never diffusely: mirrors, glass, rough metal.
   [[nodiscard]] bool scatters_without_diffusing() const {
     return is_black(traits_.mean_diffuse_reflectance) && (traits_.may_be_specular || traits_.may_be_smooth);
@@ -128,6 +132,9 @@ inline Material one_sided(std::string name, const MaterialSide& front_side) {
 inline Material two_sided(std::string name, const MaterialSide& front_side, const MaterialSide& back_side) {
   return {std::move(name), {front_side, back_side}};
 }
+/// The material with change(texture) in place of every texture.
+Material with_textures(const Material& material, const std::function<Texture(const Texture&)>& change);
+
 /// The material of a model with the back that belongs to it: `seen_from_behind`.
 Material material_of(std::string name, const MaterialSide& front_side);
 /// A closed or open interface; `outside` is the model seen from the front.

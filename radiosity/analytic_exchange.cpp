@@ -57,8 +57,8 @@ double unoccluded_exchange(const Patch& a, const Patch& b, FormFactorMethod meth
   double exchange = method == FormFactorMethod::exact ? exchange_exact(pa, pb)
                                                       : 0.5 * (exchange_point(pa, pb) + exchange_point(pb, pa));
   if (exchange == 0.0) return 0.0;
-  if (a.on_sphere) exchange *= a.area / polygon_area(pa);
-  if (b.on_sphere) exchange *= b.area / polygon_area(pb);
+  if (a.is_analytic()) exchange *= a.area / polygon_area(pa);
+  if (b.is_analytic()) exchange *= b.area / polygon_area(pb);
   return exchange;
 }
 

@@ -12,6 +12,9 @@ namespace twopass {
 
 namespace {
 
+// However few rays the elements cast: caustics have no smooth part that more of them would be wasted on.
+constexpr std::size_t least_caustic_paths = std::size_t{1} << 20;
+
 // About a million rays in all, a power of two for each element because such sets are the best stratified.
 std::uint32_t rays_of_a_million(std::size_t elements, std::size_t least, std::size_t most) {
   const std::size_t rays = (std::size_t{1} << 20) / std::max<std::size_t>(1, elements);
@@ -107,7 +110,7 @@ void add_sky_and_caustics(std::vector<C3d>& direct, const Scene& scene, const El
                           const RaySurvey& survey, std::uint32_t seed, std::uint64_t& rays) {
   for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += C3d(survey.sky[i]);
   if (survey.met_specular == 0) return;
-  const std::size_t paths = std::size_t{survey.rays_per_element} * mesh.count();
+  const std::size_t paths = std::max(least_caustic_paths, std::size_t{survey.rays_per_element} * mesh.count());
   const std::vector<C3d> caustics = caustic_irradiance(scene, mesh, paths, seed, rays);
   for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += caustics[i];
 }

@@ -12,7 +12,7 @@ namespace twopass {
 
 namespace {
 
-// An emitting side of a triangle, or of an octant of a sphere.
+// An emitting side of a triangle, or of a piece of an analytic surface.
 struct Source {
   Patch patch;
   C3f radiance;
@@ -26,14 +26,8 @@ struct Deposit {
 void add_sources(std::vector<Source>& sources, const Shape& shape, Side side) {
   const C3f& radiance = shape.radiance[side];
   if (is_black(radiance)) return;
-  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-    for (std::uint32_t i = 0; i < mesh->triangles.size(); ++i)
-      sources.push_back({triangle_patch(*mesh, i, side), radiance});
-  } else {
-    for (std::uint32_t octant = 0; octant < 8; ++octant)
-      sources.push_back(
-          {spherical_patch(std::get<Sphere>(shape.geometry), octant_corners(octant), side), radiance});
-  }
+  for (std::uint32_t i = 0; i < piece_count(shape.geometry); ++i)
+    sources.push_back({piece_patch(shape.geometry, i, side), radiance});
 }
 
 class Shooter {

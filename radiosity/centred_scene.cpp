@@ -11,14 +11,26 @@ float exact_shift(float lowest, float highest) {
   return highest - lowest <= nearest ? (lowest > 0.0f ? lowest : highest) : 0.0f;
 }
 
-void transform(Shape& shape, const V3f& shift, float scale) {
-  if (auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-    for (V3f& p : mesh->positions) p = (p - shift) * scale;
-  } else {
-    Sphere& sphere = std::get<Sphere>(shape.geometry);
-    sphere.center = (sphere.center - shift) * scale;
-    sphere.radius *= scale;
-  }
+void transform(Mesh& mesh, const V3f& shift, float scale) {
+  for (V3f& p : mesh.positions) p = (p - shift) * scale;
+}
+void transform(Sphere& sphere, const V3f& shift, float scale) {
+  sphere.center = (sphere.center - shift) * scale;
+  sphere.radius *= scale;
+}
+void transform(Disk& disk, const V3f& shift, float scale) {
+  disk.center = (disk.center - shift) * scale;
+  disk.x *= scale;
+  disk.y *= scale;
+}
+void transform(Cylinder& cylinder, const V3f& shift, float scale) {
+  cylinder.base = (cylinder.base - shift) * scale;
+  cylinder.radius *= scale;
+  cylinder.length *= scale;
+}
+void transform(MeshInstance& instance, const V3f& shift, float scale) {
+  Placement& p = instance.to_world;
+  p = {p.x * scale, p.y * scale, p.z * scale, (p.origin - shift) * scale};
 }
 
 }  // namespace
@@ -37,7 +49,9 @@ CentredScene centred(const SceneDescription& scene) {
   if (!(largest > 0.0f)) return result;
   // Far enough from both ends of a float's range for either power to be one.
   const int exponent = std::clamp(std::ilogb(largest), -100, 100);
-  for (Shape& shape : result.scene.shapes) transform(shape, shift, std::ldexp(1.0f, -exponent));
+  const float scale = std::ldexp(1.0f, -exponent);
+  for (Shape& shape : result.scene.shapes)
+    std::visit([&](auto& geometry) { transform(geometry, shift, scale); }, shape.geometry);
   result.length_unit = std::ldexp(1.0, exponent);
   return result;
 }

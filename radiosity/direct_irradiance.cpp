@@ -22,18 +22,18 @@ struct Emitter {
   bool is_element;
 };
 
-// The emitting sides of triangles, or nothing if spheres emit or there are too many.
+// The emitting sides of triangles, or nothing if analytic surfaces emit or there are too many.
 std::vector<Emitter> analytic_emitters(const Scene& scene, const ElementMesh& mesh) {
   std::vector<Emitter> emitters;
   for (std::uint32_t s = 0; s < scene.shapes().size(); ++s) {
     const Shape& shape = scene.shapes()[s];
     if (!is_emitter(shape)) continue;
-    const auto* triangles = std::get_if<Mesh>(&shape.geometry);
+    const Mesh* triangles = mesh_of(shape.geometry);
     if (!triangles || triangles->triangles.size() > most_analytic_emitters) return {};
     for (const Side side : {front, back}) {
       if (is_black(shape.radiance[side])) continue;
       for (std::uint32_t i = 0; i < triangles->triangles.size(); ++i) {
-        const Patch patch = triangle_patch(*triangles, i, side);
+        const Patch patch = piece_patch(shape.geometry, i, side);
         if (patch.area > 0.0)
           emitters.push_back(
               {patch, patch.polygon(), C3d(shape.radiance[side]) * pi, mesh.has_elements(s, side)});
@@ -44,10 +44,10 @@ std::vector<Emitter> analytic_emitters(const Scene& scene, const ElementMesh& me
   return emitters;
 }
 
-// A_i F_ie without obstacles. A spherical patch is seen by points with its true normals.
+// A_i F_ie without obstacles. Pieces of analytic surfaces are seen by points of theirs.
 double unoccluded_exchange_with(const Patch& patch, const Emitter& emitter, FormFactorMethod method,
                                 std::uint32_t key) {
-  if (patch.on_sphere) {
+  if (patch.is_analytic()) {
     constexpr std::uint32_t points = 16;
     double sum = 0.0;
     for (std::uint32_t k = 0; k < points; ++k) {
@@ -175,7 +175,7 @@ C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMe
   return sum * (1.0 / samples);
 }
 
-// More emitters than can be evaluated, or spheres.
+// More emitters than can be evaluated, or analytic surfaces.
 std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed,
                                     std::uint64_t& rays) {
   std::vector<C3d> irradiance(mesh.count(), C3d(0.0));

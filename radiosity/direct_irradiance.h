@@ -10,12 +10,12 @@ namespace twopass {
 struct DirectIrradiance {
   std::vector<C3d> irradiance;  ///< by element, W/m2
   /// By element, in units of area: what it exchanges with emitting sides that are no elements. Empty when the
-  /// emitters were sampled (too many, or spheres).
+  /// emitters were sampled (too many, or analytic surfaces).
   std::vector<double> exchange_with_lamps;
 };
 
 /// Up to `most_analytic_emitters` emitting triangles: analytic form factors times the visible fraction;
-/// emitters are not divided. More of them, or spheres: sampled points on the lights and sampled directions,
+/// emitters are not divided. More of them, or analytic surfaces: sampled points on the lights and sampled directions,
 /// combined by the balance heuristic. Punctual lights: `punctual_irradiance`. `conserve`: scale the factors of
 /// each emitter so that all of its power arrives; for closed scenes in which every side is an element. `rays`
 /// is increased.

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double percentile = 0.99, percentile_color = 0.8;
 constexpr float specular_grey = 0.18f;
-// Of each edge of an octant, on spheres without elements.
-constexpr std::uint16_t sphere_divisions = 8;
+// Of each edge of a piece, on analytic surfaces without elements.
+constexpr std::uint16_t analytic_divisions = 8;
 
 bool emits(const Shape& shape, Side side) { return !is_black(shape.radiance[side]); }
 
@@ -36,10 +36,10 @@ class CompleteMesh {
       const bool has_elements = next_surface < saved.surface.size() && saved.surface[next_surface] == surface;
       if (!has_elements && !is_shown(scene, elements, shape, side)) continue;
       all.surface.push_back(surface);
-      const auto* mesh = std::get_if<Mesh>(&scene.shapes()[shape].geometry);
-      const std::size_t primitives = mesh ? mesh->triangles.size() : 8;
+      const Geometry& geometry = scene.shapes()[shape].geometry;
+      const std::size_t primitives = piece_count(geometry);
       if (!has_elements) {
-        const std::uint16_t divisions = mesh ? 1 : sphere_divisions;
+        const std::uint16_t divisions = is_analytic(geometry) ? analytic_divisions : 1;
         all.divisions.insert(all.divisions.end(), primitives, divisions);
         original_root_.insert(original_root_.end(), primitives, no_index);
         const std::size_t added = primitives * divisions * divisions;

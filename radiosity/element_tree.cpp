@@ -26,8 +26,9 @@ std::array<V2i, 4> grid_corners(const TreeNode& node) {
   return {p, p + V2i(n, 0), p + V2i(0, n), p};
 }
 
-bool on_sphere(const ElementMesh& mesh, const TreeNode& node) {
-  return node.kind != TreeNode::cluster && !node.is_patchwork && mesh.is_sphere(mesh.roots()[node.root].shape);
+bool is_on_analytic(const ElementMesh& mesh, const TreeNode& node) {
+  return node.kind != TreeNode::cluster && !node.is_patchwork &&
+         mesh.is_analytic(mesh.roots()[node.root].shape);
 }
 
 // The nearest of the 26 directions from the middle of a cube to its faces, edges and corners.
@@ -47,18 +48,17 @@ float angle_between(const V3f& a, const V3f& b) {
 void measure(TreeNode& node, const NodeSurface& surface) {
   const Patch& patch = surface.patch;
   ElementPoint middle{polygon_centroid(surface.polygon), surface.normal, surface.offset};
-  if (patch.on_sphere) {
-    const V3d outward = (middle.position - patch.center).normalized();
-    middle.position = patch.center + outward * std::abs(patch.signed_radius);
-    middle.normal = patch.signed_radius < 0.0 ? -outward : outward;
-  }
-  double radius = polygon_radius(surface.polygon, middle.position);
+  if (patch.is_analytic()) middle = patch.above(middle.position);
+  const double radius = polygon_radius(surface.polygon, middle.position);
   if (patch.on_sphere)
     node.cone =
         static_cast<float>(2.0 * std::asin(std::min(1.0, 0.5 * radius / std::abs(patch.signed_radius))));
-  // The corners are farthest from the middle, on a sphere too; a few digits more for rounding.
+  for (int k = 0; patch.cylinder && k < surface.polygon.n; ++k)
+    node.cone = std::max(
+        node.cone, angle_between(V3f(patch.above(surface.polygon.v[k]).normal), V3f(middle.normal)) + 1e-6f);
+  // The corners are farthest from the middle, on analytic surfaces, too; a few digits more for rounding.
   node.radius = static_cast<float>(radius * (1.0 + 1e-5));
-  node.is_flat = !patch.on_sphere;
+  node.is_flat = !patch.is_analytic();
   node.center = V3f(middle.position);
   node.axis = V3f(middle.normal);
   node.whole_area = polygon_area(surface.polygon) * surface.area_scale;
@@ -77,11 +77,7 @@ std::array<ElementPoint, 4> NodeSurface::quarters() const {
   const V3d middle = polygon_centroid(polygon);
   for (int k = 0; k < 4; ++k) {
     const V3d position = k < polygon.n ? (polygon.v[k] + middle) * 0.5 : middle;
-    point[k] = {position, normal, offset};
-    if (!patch.on_sphere) continue;
-    const V3d outward = (position - patch.center).normalized();
-    point[k].position = patch.center + outward * std::abs(patch.signed_radius);
-    point[k].normal = patch.signed_radius < 0.0 ? -outward : outward;
+    point[k] = patch.is_analytic() ? patch.above(position) : ElementPoint{position, normal, offset};
   }
   return point;
 }
@@ -161,8 +157,8 @@ class ElementTree::Builder {
       if (patch.area > 0.0)
         node.cone = std::max(node.cone, angle_between(V3f(patch.centroid().normal), node.axis));
     }
-    // Pieces of spheres bulge and turn: an eighth at most.
-    const bool bulges = mesh_.is_sphere(mesh_.roots()[node.root].shape);
+    // Pieces of analytic surfaces bulge and turn: an eighth at most.
+    const bool bulges = mesh_.is_analytic(mesh_.roots()[node.root].shape);
     node.radius = static_cast<float>(radius * (bulges ? 1.5 : 1.0 + 1e-5));
     if (bulges) node.cone = std::min(pi_f, node.cone + 1.0f);
   }
@@ -357,21 +353,20 @@ NodeSurface ElementTree::surface(const TreeNode& node) const {
     surface.polygon = surface.patch.polygon();
     surface.normal = surface.patch.normal;
     surface.offset = surface.patch.offset;
-    if (const double flat = polygon_area(surface.polygon); surface.patch.on_sphere && flat > 0.0)
+    if (const double flat = polygon_area(surface.polygon); surface.patch.is_analytic() && flat > 0.0)
       surface.area_scale = surface.patch.area / flat;
     return surface;
   }
   const std::array<V2i, 4> grid = grid_corners(node);
   std::array<V3d, 4> corner;
   for (int k = 0; k < 4; ++k) corner[k] = mesh_.grid_point(root, grid[k], root.divisions);
-  const Shape& shape = mesh_.shapes()[root.shape];
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    std::array<V3d, 3> direction;
-    for (int k = 0; k < 3; ++k) direction[k] = (corner[k] - V3d(sphere->center)).normalized();
-    surface.patch = spherical_patch(*sphere, direction, root.side);
+  const Geometry& geometry = mesh_.shapes()[root.shape].geometry;
+  if (is_analytic(geometry)) {
+    // Of a strip, half: enough to know the points above the polygon.
+    surface.patch = cell_patch(geometry, root.primitive, {grid[0], grid[1], grid[2]}, root.divisions, root.side);
     surface.offset = surface.patch.offset;
   } else {
-    surface.offset = rounding_offset(corners(std::get<Mesh>(shape.geometry), root.primitive));
+    surface.offset = rounding_offset(corners(geometry, root.primitive));
   }
   if (root.side == back) std::swap(corner[1], corner[node.kind == TreeNode::strip ? 3 : 2]);
   surface.polygon = node.kind == TreeNode::strip ? make_polygon(corner[0], corner[1], corner[2], corner[3])
@@ -380,7 +375,7 @@ NodeSurface ElementTree::surface(const TreeNode& node) const {
   const double area = area_vector.length();
   surface.normal = area > 0.0 ? area_vector / area : V3d(0.0);
   Patch& patch = surface.patch;
-  if (patch.on_sphere) {
+  if (patch.is_analytic()) {
     if (node.kind == TreeNode::triangle && area > 0.0) surface.area_scale = patch.area / area;
   } else {
     patch.corner = {corner[0], corner[1], corner[2]};
@@ -393,7 +388,7 @@ NodeSurface ElementTree::surface(const TreeNode& node) const {
 
 std::array<ElementPoint, 4> ElementTree::points(const TreeNode& node, std::uint32_t key) const {
   const bool has_quarters = node.kind != TreeNode::cluster && !node.is_patchwork &&
-                            !(node.kind == TreeNode::strip && on_sphere(mesh_, node));
+                            !(node.kind == TreeNode::strip && is_on_analytic(mesh_, node));
   if (has_quarters) return surface(node).quarters();
   std::array<ElementPoint, 4> point;
   const double before = area_before_[node.begin], area = area_before_[node.end] - before;
@@ -419,11 +414,12 @@ double ElementTree::form_factor(const std::array<ElementPoint, 4>& from, const T
 }
 
 double ElementTree::radius_of_common_inside(const TreeNode& a, const TreeNode& b) const {
-  if (!on_sphere(mesh_, a) || !on_sphere(mesh_, b)) return 0.0;
+  if (!is_on_analytic(mesh_, a) || !is_on_analytic(mesh_, b)) return 0.0;
   const ElementRoot &root_a = mesh_.roots()[a.root], &root_b = mesh_.roots()[b.root];
-  const Sphere& sphere = std::get<Sphere>(mesh_.shapes()[root_a.shape].geometry);
-  const bool inside = (root_a.side == front) == sphere.inward;
-  return root_a.shape == root_b.shape && root_a.side == root_b.side && inside ? double{sphere.radius} : 0.0;
+  const auto* sphere = std::get_if<Sphere>(&mesh_.shapes()[root_a.shape].geometry);
+  if (!sphere) return 0.0;
+  const bool inside = (root_a.side == front) == sphere->inward;
+  return root_a.shape == root_b.shape && root_a.side == root_b.side && inside ? double{sphere->radius} : 0.0;
 }
 
 std::size_t ElementTree::memory_bytes() const {

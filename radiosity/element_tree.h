@@ -37,7 +37,7 @@ struct TreeNode {
   double whole_area = 0.0;  ///< with what is buried
 };
 
-/// The surface of a triangle, a strip or an element: a polygon, or a piece of a sphere.
+/// The surface of a triangle, a strip or an element: a polygon, or a piece of an analytic surface.
 struct NodeSurface {
   Polygon polygon;          ///< flat; counter-clockwise seen from the node's side
   V3d normal{0.0};          ///< of the polygon

@@ -14,13 +14,6 @@ constexpr std::uint32_t refined = 0x80000000u;
 // A packed cell keeps 13 bits each for column, row, 1 for the orientation and 5 for the level.
 constexpr std::uint32_t most_divisions = 1u << 13;
 
-// Sums of two terms commute, so the point of an edge is the same bit for bit from both triangles that share it.
-// The division is exact at the corners, and common powers of two do not matter.
-V3d flat_grid_point(const std::array<V3d, 3>& corner, const V2i& numerators, std::uint32_t divisions) {
-  const double w1 = numerators.x, w2 = numerators.y, w0 = static_cast<double>(divisions) - w1 - w2;
-  return (corner[0] * w0 + corner[1] * w1 + corner[2] * w2) / static_cast<double>(divisions);
-}
-
 std::uint32_t cell_count(const ElementRoot& root) { return std::uint32_t{root.divisions} * root.divisions; }
 
 // Cells are numbered row by row; a row holds 2 (divisions - row) - 1 of them.
@@ -75,16 +68,12 @@ ElementMesh::ElementMesh(std::span<const Shape> shapes, std::span<const Material
     : shapes_(shapes),
       first_root_(shapes.size(), {no_index, no_index}),
       reflectance_(shapes.size()),
-      is_sphere_(shapes.size(), 0),
-      sphere_center_(shapes.size(), V3f(0.0f)),
+      is_analytic_(shapes.size(), 0),
       roots_(std::move(roots)) {
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     for (const Side side : {front, back})
       reflectance_[s][side] = materials[shapes[s].material].side[side].traits().mean_diffuse_reflectance;
-    if (const auto* sphere = std::get_if<Sphere>(&shapes[s].geometry)) {
-      is_sphere_[s] = 1;
-      sphere_center_[s] = sphere->center;
-    }
+    is_analytic_[s] = twopass::is_analytic(shapes[s].geometry);
   }
   for (std::uint32_t r = 0; r < roots_.size(); ++r) {
     std::uint32_t& base = first_root_[roots_[r].shape][roots_[r].side];
@@ -212,8 +201,7 @@ std::optional<ElementMesh> ElementMesh::restore(std::span<const Shape> shapes,
   for (std::size_t k = 0; k < saved.surface.size(); ++k) {
     const std::uint32_t shape = saved.surface[k] >> 1;
     if (shape >= shapes.size() || (k > 0 && saved.surface[k] <= saved.surface[k - 1])) return std::nullopt;
-    const auto* mesh = std::get_if<Mesh>(&shapes[shape].geometry);
-    const std::size_t primitives = mesh ? mesh->triangles.size() : 8;
+    const std::size_t primitives = piece_count(shapes[shape].geometry);
     if (primitives > saved.divisions.size() - roots.size()) return std::nullopt;
     for (std::uint32_t primitive = 0; primitive < primitives; ++primitive)
       roots.push_back(
@@ -348,15 +336,9 @@ ElementMesh::Location ElementMesh::find_in_root(std::uint32_t root_index, float 
   return location;
 }
 
-ElementMesh::Location ElementMesh::find_on_sphere(std::uint32_t base, const V3f& position) const {
-  const V3f d = position - sphere_center_[roots_[base].shape];
-  const std::uint32_t octant = (d.x < 0.0f ? 1u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 4u : 0u);
-  const V3f a(std::abs(d.x), std::abs(d.y), std::abs(d.z));
-  const float sum = a.x + a.y + a.z;
-  float u = sum > 0.0f ? a.y / sum : 0.0f, v = sum > 0.0f ? a.z / sum : 0.0f;
-  // An odd number of signs: octant_corners has exchanged the last two.
-  if (octant == 1 || octant == 2 || octant == 4 || octant == 7) std::swap(u, v);
-  return find_in_root(base + octant, u, v);
+ElementMesh::Location ElementMesh::find_on_surface(std::uint32_t base, const SurfacePoint& point) const {
+  const PieceLocation at = locate_piece(shapes_[point.shape].geometry, point.position);
+  return find_in_root(base + at.piece, at.u, at.v);
 }
 
 std::span<const std::uint32_t> ElementMesh::members(std::uint32_t cluster_element) const {
@@ -369,39 +351,16 @@ ElementCell ElementMesh::cell(std::uint32_t element) const {
 }
 
 V3d ElementMesh::grid_point(const ElementRoot& root, const V2i& numerators, std::uint32_t divisions) const {
-  const Shape& shape = shapes_[root.shape];
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    const V3d flat = flat_grid_point(octant_corners(root.primitive), numerators, divisions);
-    return V3d(sphere->center) + flat.normalized() * static_cast<double>(sphere->radius);
-  }
-  const std::array<V3f, 3> p = corners(std::get<Mesh>(shape.geometry), root.primitive);
-  return flat_grid_point({V3d(p[0]), V3d(p[1]), V3d(p[2])}, numerators, divisions);
+  return piece_grid_point(shapes_[root.shape].geometry, root.primitive, numerators, divisions);
 }
 
 Patch ElementMesh::root_patch(const ElementRoot& root) const {
-  const Shape& shape = shapes_[root.shape];
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
-    return spherical_patch(*sphere, octant_corners(root.primitive), root.side);
-  return triangle_patch(std::get<Mesh>(shape.geometry), root.primitive, root.side);
+  return piece_patch(shapes_[root.shape].geometry, root.primitive, root.side);
 }
 
 Patch ElementMesh::cell_patch(const ElementRoot& root, const ElementCell& cell) const {
-  const std::array<V2i, 3> grid = cell_corners(cell);
-  const Shape& shape = shapes_[root.shape];
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    const std::array<V3d, 3> octant = octant_corners(root.primitive);
-    std::array<V3d, 3> direction;
-    for (int k = 0; k < 3; ++k) direction[k] = flat_grid_point(octant, grid[k], cell.divisions).normalized();
-    return spherical_patch(*sphere, direction, root.side);
-  }
-  Patch patch;
-  const Patch whole = triangle_patch(std::get<Mesh>(shape.geometry), root.primitive, front);
-  patch.offset = whole.offset;
-  patch.area = whole.area / (double(cell.divisions) * cell.divisions);
-  patch.normal = root.side == front ? whole.normal : -whole.normal;
-  for (int k = 0; k < 3; ++k) patch.corner[k] = flat_grid_point(whole.corner, grid[k], cell.divisions);
-  if (root.side == back) std::swap(patch.corner[1], patch.corner[2]);
-  return patch;
+  return twopass::cell_patch(shapes_[root.shape].geometry, root.primitive, cell_corners(cell), cell.divisions,
+                             root.side);
 }
 
 Patch ElementMesh::patch(std::uint32_t element, std::size_t k) const {

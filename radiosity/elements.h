@@ -6,19 +6,20 @@
 #include <span>
 #include <vector>
 
-#include "radiosity/patch.h"
+#include "radiosity/pieces.h"
 #include "render/scene/ray.h"
 #include "render/scene/shape.h"
 
 namespace twopass {
 
-/// The side of a triangle, or of an octant of a sphere. Either it is cut into divisions^2 cells by lines
-/// parallel to its edges, each cell perhaps again into four, and so on (on a sphere: the flat triangle below
-/// the octant, projected from the centre, so that edges are great circles); or it is smaller than an element
-/// and part of a cluster.
+/// The side of a triangle, or of a piece of an analytic surface (pieces.h). Either it is cut into divisions^2
+/// cells by lines parallel to its edges, each cell perhaps again into four, and so on (on a sphere: the flat
+/// triangle below the octant, projected from the centre, so that edges are great circles; on disks and
+/// cylinders: the triangle of parameters, so that cells are of equal area); or it is smaller than an element and
+/// part of a cluster.
 struct ElementRoot {
   std::uint32_t shape;
-  std::uint32_t primitive;  ///< triangle of the mesh; octant of the sphere
+  std::uint32_t primitive;  ///< triangle of the mesh; piece of the analytic surface
   std::uint32_t
       first_element;         ///< its elements follow each other; of a part of a cluster: the cluster's element
   std::uint32_t first_cell;  ///< where its quad-trees start; no_index: every cell is an element
@@ -89,10 +90,10 @@ class ElementMesh {
   [[nodiscard]] Location locate(const SurfacePoint& point) const {
     const std::uint32_t base = first_root_[point.shape][point.side];
     if (base == no_index) return {no_index, no_index, 0.0f, 0.0f};
-    if (is_sphere_[point.shape]) return find_on_sphere(base, point.position);
+    if (is_analytic_[point.shape]) return find_on_surface(base, point);
     return find_in_root(base + point.primitive, point.u, point.v);
   }
-  [[nodiscard]] bool is_sphere(std::uint32_t shape) const { return is_sphere_[shape] != 0; }
+  [[nodiscard]] bool is_analytic(std::uint32_t shape) const { return is_analytic_[shape] != 0; }
   /// True if that side of the shape has elements.
   [[nodiscard]] bool has_elements(std::uint32_t shape, Side side) const {
     return first_root_[shape][side] != no_index;
@@ -101,7 +102,7 @@ class ElementMesh {
   /// Leaves only this fraction of each element's area: the rest is buried under other surfaces and plays no
   /// part. An element of fraction 0 is as good as none.
   void expose(std::span<const float> fraction);
-  /// Area of the exposed part of the true surface (on a sphere of the spherical triangle).
+  /// Area of the exposed part of the true surface (of analytic ones, too).
   [[nodiscard]] double area(std::uint32_t element) const { return area_[element]; }
   /// sqrt(area).
   [[nodiscard]] float size(std::uint32_t element) const { return std::sqrt(area_[element]); }
@@ -161,15 +162,14 @@ class ElementMesh {
   void index_cells();
   void measure();
   [[nodiscard]] Location find_in_root(std::uint32_t root_index, float u, float v) const;
-  [[nodiscard]] Location find_on_sphere(std::uint32_t base, const V3f& position) const;
+  [[nodiscard]] Location find_on_surface(std::uint32_t base, const SurfacePoint& point) const;
   [[nodiscard]] Patch root_patch(const ElementRoot& root) const;
   [[nodiscard]] Patch cell_patch(const ElementRoot& root, const ElementCell& cell) const;
 
   std::span<const Shape> shapes_;
   std::vector<std::array<std::uint32_t, 2>> first_root_;  // by shape and side; no_index: no elements
   std::vector<std::array<C3f, 2>> reflectance_;           // by shape and side
-  std::vector<std::uint8_t> is_sphere_;                   // by shape
-  std::vector<V3f> sphere_center_;                        // by shape
+  std::vector<std::uint8_t> is_analytic_;                 // by shape
   std::vector<ElementRoot> roots_;
   std::vector<std::uint32_t> cells_;  // of refined roots: an element, or the first of four cells | refined
   std::vector<std::uint32_t> first_member_;  // by cluster, and the end

@@ -163,7 +163,7 @@ double exchange_from_counts(const ShapeRayCounts& counts, const ShapeFronts& fro
 bool can_have_control(const ShapeFronts& fronts) {
   std::size_t triangles = 0;
   for (std::size_t s = 0; s < fronts.shapes(); ++s)
-    if (!fronts.is_sphere[s]) triangles += fronts.first[s + 1] - fronts.first[s];
+    if (!fronts.is_analytic[s]) triangles += fronts.first[s + 1] - fronts.first[s];
   return triangles <= most_triangles_as_control;
 }
 
@@ -189,15 +189,15 @@ ExchangeTable ray_exchanges(const Scene& scene, const ShapeFronts& fronts, const
   return exchange;
 }
 
-bool any_sphere(const ShapeFronts& fronts) {
-  return std::find(fronts.is_sphere.begin(), fronts.is_sphere.end(), true) != fronts.is_sphere.end();
+bool any_analytic(const ShapeFronts& fronts) {
+  return std::find(fronts.is_analytic.begin(), fronts.is_analytic.end(), true) != fronts.is_analytic.end();
 }
 
 FormFactorMethod choose_method(const ShapeFronts& fronts, const FormFactorOptions& options) {
-  const bool spheres = any_sphere(fronts);
+  const bool analytic = any_analytic(fronts);
   switch (options.method) {
     case FormFactorMethod::automatic:
-      return !spheres && fronts.patch.size() <= most_triangles_automatic ? FormFactorMethod::exact
+      return !analytic && fronts.patch.size() <= most_triangles_automatic ? FormFactorMethod::exact
                                                                          : FormFactorMethod::rays;
     case FormFactorMethod::rays:
       return FormFactorMethod::rays;
@@ -214,8 +214,8 @@ FormFactorMethod choose_method(const ShapeFronts& fronts, const FormFactorOption
         throw Error("form factors", std::to_string(fronts.patch.size()) + " triangles have too many pairs",
                     "use --method rays");
   }
-  if (spheres)
-    throw Error("form factors", "this method divides surfaces into triangles, and the scene has spheres",
+  if (analytic)
+    throw Error("form factors", "this method divides surfaces into triangles, and the scene has spheres, disks or cylinders",
                 "use --method rays");
   return options.method;
 }

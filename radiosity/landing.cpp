@@ -18,14 +18,14 @@ Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler
   ++rays;
   if (hit.escaped()) return {Landing::in_the_sky, no_index, {}};
   const SurfacePoint point = scene_.surface_point(ray, hit);
-  if (is_covered(scene_, ray, hit, point, normal, size)) return {Landing::buried, no_index, {}};
+  if (is_covered(scene_, ray, hit, point, normal, size)) return {Landing::buried, no_index, {}, hit.t};
   const std::uint32_t element = mesh_.find(point);
-  if (element != no_index) return {Landing::on_element, element, {}};
+  if (element != no_index) return {Landing::on_element, element, {}, hit.t};
   if (shows_inside(point))
-    return {is_inside_solid(ray, normal, sampler, rays) ? Landing::buried : Landing::on_black, no_index, {}};
-  if (scene_.side(point).scatters_without_diffusing()) return {Landing::on_specular, no_index, point};
+    return {is_inside_solid(ray, normal, sampler, rays) ? Landing::buried : Landing::on_black, no_index, {}, hit.t};
+  if (scene_.side(point).scatters_without_diffusing()) return {Landing::on_specular, no_index, point, hit.t};
   const bool shines = !is_black(scene_.emitted_radiance(point));
-  return {shines ? Landing::on_lamp : Landing::on_black, no_index, {}};
+  return {shines ? Landing::on_lamp : Landing::on_black, no_index, {}, hit.t};
 }
 
 // The black back of a one-sided surface: most likely the inside of something solid.

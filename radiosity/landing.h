@@ -27,6 +27,7 @@ struct Landing {
   Kind kind;
   std::uint32_t element = no_index;  ///< only on_element
   SurfacePoint point;                ///< only on_specular
+  float distance = infinity_f;       ///< from the start; infinite in the sky
 };
 
 /// Casts rays from elements. Const and thread-safe. REQUIRES: scene and mesh outlive it.

@@ -143,7 +143,7 @@ class LinkRefiner::Search {
   }
 
  private:
-  // Flat, or so small a piece of a sphere that it counts as flat.
+  // Flat, or so small a piece of an analytic surface that it counts as flat.
   static bool is_polygon(const TreeNode& node) {
     return node.is_flat || (node.kind == TreeNode::element && !node.is_patchwork);
   }

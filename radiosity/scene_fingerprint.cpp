@@ -1,6 +1,8 @@
 #include "radiosity/scene_fingerprint.h"
 
-#include "render/scene/data_hash.h"
+#include <unordered_map>
+
+#include "render/scene/texture_hash.h"
 
 namespace twopass {
 
@@ -18,27 +20,6 @@ void add_model(DataHash& hash, const Bsdf& bsdf) {
         });
       },
       bsdf);
-}
-
-void add_uv_transform(DataHash& hash, const UvTransform& m) {
-  for (const float x : {m.a, m.b, m.c, m.d, m.e, m.f}) hash.add(x);
-}
-void add_texture_kind(DataHash& hash, const C3f& color) { hash.add(color); }
-void add_texture_kind(DataHash& hash, const Checkerboard& checkerboard) {
-  hash.add(checkerboard.color0);
-  hash.add(checkerboard.color1);
-  add_uv_transform(hash, checkerboard.to_uv);
-}
-void add_texture_kind(DataHash& hash, const Bitmap& bitmap) {
-  hash.add(static_cast<std::uint64_t>(bitmap.filter));
-  hash.add(static_cast<std::uint64_t>(bitmap.wrap));
-  add_uv_transform(hash, bitmap.to_uv);
-  hash.add(std::uint64_t(bitmap.image->width) << 32 | std::uint64_t(bitmap.image->height));
-  for (const float x : bitmap.image->pixels) hash.add(x);
-}
-void add_texture(DataHash& hash, const Texture& texture) {
-  hash.add(std::uint64_t{texture.index()});
-  std::visit([&](const auto& kind) { add_texture_kind(hash, kind); }, texture);
 }
 
 void add_node(DataHash& hash, const MaterialNode& node);
@@ -82,7 +63,10 @@ void add_side(DataHash& hash, const MaterialSide& side) {
     add_node(hash, *side.node());
 }
 
-void add_geometry(DataHash& hash, const Mesh& mesh) {
+// Meshes that instances share, each hashed once.
+using KnownMeshes = std::unordered_map<const Mesh*, std::uint64_t>;
+
+void add_geometry(DataHash& hash, const Mesh& mesh, KnownMeshes&) {
   hash.add(std::uint64_t{mesh.positions.size()});
   for (const V3f& p : mesh.positions) hash.add(p);
   hash.add(std::uint64_t{mesh.normals.size()});
@@ -95,21 +79,44 @@ void add_geometry(DataHash& hash, const Mesh& mesh) {
   hash.add(std::uint64_t{mesh.triangles.size()});
   for (const V3u& t : mesh.triangles) hash.add(t);
 }
-void add_geometry(DataHash& hash, const Sphere& sphere) {
+void add_geometry(DataHash& hash, const Sphere& sphere, KnownMeshes&) {
   hash.add(sphere.center);
   hash.add(sphere.radius);
   hash.add(std::uint64_t{sphere.inward});
   for (const V3f& axis : sphere.axes) hash.add(axis);
+}
+void add_geometry(DataHash& hash, const Disk& disk, KnownMeshes&) {
+  for (const V3f& v : {disk.center, disk.x, disk.y}) hash.add(v);
+  hash.add(std::uint64_t{disk.reversed});
+}
+void add_geometry(DataHash& hash, const Cylinder& cylinder, KnownMeshes&) {
+  hash.add(cylinder.base);
+  hash.add(cylinder.radius);
+  hash.add(cylinder.length);
+  hash.add(std::uint64_t{cylinder.inward});
+  for (const V3f& axis : cylinder.axes) hash.add(axis);
+}
+void add_geometry(DataHash& hash, const MeshInstance& instance, KnownMeshes& known) {
+  const auto [entry, is_new] = known.try_emplace(instance.mesh.get(), 0);
+  if (is_new) {
+    DataHash own;
+    add_geometry(own, *instance.mesh, known);
+    entry->second = own.value();
+  }
+  hash.add(entry->second);
+  const Placement& p = instance.to_world;
+  for (const V3f& v : {p.x, p.y, p.z, p.origin}) hash.add(v);
 }
 
 }  // namespace
 
 std::uint64_t scene_fingerprint(const Scene& scene) {
   DataHash hash;
+  KnownMeshes known;
   hash.add(std::uint64_t{scene.shapes().size()});
   for (const Shape& shape : scene.shapes()) {
     hash.add(std::uint64_t{shape.geometry.index()});
-    std::visit([&](const auto& geometry) { add_geometry(hash, geometry); }, shape.geometry);
+    std::visit([&](const auto& geometry) { add_geometry(hash, geometry, known); }, shape.geometry);
     for (const MaterialSide& side : scene.description().materials[shape.material].side) add_side(hash, side);
     for (const C3f& radiance : shape.radiance) hash.add(radiance);
     if (shape.radiance_texture) add_texture(hash, *shape.radiance_texture);

@@ -46,18 +46,15 @@ ShapeFronts collect_fronts(const Scene& scene) {
   ShapeFronts fronts;
   for (std::uint32_t s = 0; s < scene.shapes().size(); ++s) {
     fronts.first.push_back(static_cast<std::uint32_t>(fronts.patch.size()));
-    const auto* mesh = std::get_if<Mesh>(&scene.shapes()[s].geometry);
-    fronts.is_sphere.push_back(!mesh);
-    for (std::uint32_t i = 0; mesh && i < mesh->triangles.size(); ++i) {
-      const Patch patch = triangle_patch(*mesh, i, front);
+    const Geometry& geometry = scene.shapes()[s].geometry;
+    fronts.is_analytic.push_back(is_analytic(geometry));
+    for (std::uint32_t i = 0; i < piece_count(geometry); ++i) {
+      const Patch patch = piece_patch(geometry, i, front);
       if (patch.area > 0.0)
         fronts.patch.push_back(patch);
       else
         ++fronts.degenerate;
     }
-    for (std::uint32_t octant = 0; !mesh && octant < 8; ++octant)
-      fronts.patch.push_back(
-          spherical_patch(std::get<Sphere>(scene.shapes()[s].geometry), octant_corners(octant), front));
     double area = 0.0;
     for (std::size_t i = fronts.first.back(); i < fronts.patch.size(); ++i) area += fronts.patch[i].area;
     fronts.area.push_back(area);
@@ -69,7 +66,7 @@ ShapeFronts collect_fronts(const Scene& scene) {
 
 LineFollower::LineFollower(const Scene& scene) : scene_(scene) {
   for (const Shape& shape : scene.shapes()) {
-    const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+    const Mesh* mesh = mesh_of(shape.geometry);
     most_hits_ += mesh ? mesh->triangles.size() : 2;
   }
 }

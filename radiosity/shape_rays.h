@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "radiosity/patch.h"
+#include "radiosity/pieces.h"
 #include "render/scene/scene.h"
 
 namespace twopass {
@@ -16,7 +16,7 @@ struct ShapeFronts {
   std::vector<std::uint32_t> shape;     ///< of each patch
   std::vector<std::uint32_t> first;     ///< by shape: its first patch; one more at the end
   std::vector<double> area;             ///< by shape
-  std::vector<std::uint8_t> is_sphere;  ///< by shape
+  std::vector<std::uint8_t> is_analytic;  ///< by shape
   std::size_t degenerate = 0;           ///< triangles left out because they have no area
 
   [[nodiscard]] std::size_t shapes() const { return area.size(); }
@@ -47,7 +47,7 @@ class LineFollower {
 
  private:
   const Scene& scene_;
-  std::size_t most_hits_ = 0;  // a line meets a triangle once and a sphere twice
+  std::size_t most_hits_ = 0;  // a line meets a triangle once and an analytic surface at most twice
 };
 
 /// Where the rays of all shapes went.

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <fstream>
-
-#include <zlib.h>
 
 #include "radiosity/scene_fingerprint.h"
+#include "render/core/deflate.h"
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
+#include "render/image/regular_file.h"
 
 // The format: a header of fixed size, the solution, and a CRC-32 of all that stands before it. Numbers are
 // little-endian; lists are their length (64 bits) and their entries.
@@ -22,11 +21,6 @@ constexpr std::uint32_t format_version = 1;
 constexpr std::size_t checksum_size = 4;
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
-
-std::uint32_t crc_of(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 class Writer {
  public:
@@ -149,20 +143,6 @@ constexpr std::uint32_t byte_order_mark = 0x01020304;
   throw Error(path.string(), what, "make it again with twopass solve");
 }
 
-std::vector<std::byte> read_file(const std::filesystem::path& path) {
-  std::error_code failure;
-  const bool is_file = std::filesystem::is_regular_file(path, failure);
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
-  if (!in || !is_file)
-    throw Error(path.string(), "this radiosity solution cannot be read",
-                "check the name, or make it with twopass solve");
-  std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
-  in.seekg(0);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!in) throw Error(path.string(), "reading failed", "check the disk");
-  return bytes;
-}
-
 // The content between header and checksum, once it is certain that it is what was written.
 std::span<const std::byte> checked_content(const std::filesystem::path& path, std::span<const std::byte> bytes,
                                            const Scene& scene) {
@@ -180,7 +160,7 @@ std::span<const std::byte> checked_content(const std::filesystem::path& path, st
   std::uint32_t checksum;
   std::memcpy(&checksum, bytes.data() + bytes.size() - checksum_size, checksum_size);
   if (header.version != format_version || header.size != bytes.size() ||
-      crc_of(bytes.first(bytes.size() - checksum_size)) != checksum)
+      crc32_of(bytes.first(bytes.size() - checksum_size)) != checksum)
     refuse(path, "the file is damaged");
   if (header.fingerprint != scene_fingerprint(scene))
     throw Error(path.string(), "this solution belongs to another scene",
@@ -228,7 +208,7 @@ std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& sol
   std::vector<std::byte>& bytes = write.bytes();
   header.size = bytes.size() + checksum_size;
   std::memcpy(bytes.data(), &header, sizeof header);
-  write(crc_of(bytes));
+  write(crc32_of(bytes));
   return std::move(bytes);
 }
 
@@ -254,7 +234,8 @@ void save_solution(const std::filesystem::path& path, const Scene& scene, const 
 }
 
 Solution load_solution(const std::filesystem::path& path, const Scene& scene) {
-  return solution_from_bytes(read_file(path), scene, path);
+  const std::string bytes = read_regular_file(path);
+  return solution_from_bytes(std::as_bytes(std::span(bytes)), scene, path);
 }
 
 }  // namespace twopass

@@ -10,7 +10,7 @@ namespace {
 // Beyond this the float barycentric coordinates of a hit no longer tell neighbouring elements apart well.
 constexpr int max_divisions = 4096;
 
-// Every triangle (or octant) on a side that can hold a radiosity.
+// Every triangle (or piece) on a side that can hold a radiosity.
 struct Roots {
   std::vector<ElementRoot> root;
   std::vector<double> area;
@@ -19,8 +19,7 @@ struct Roots {
 
 void add_side(Roots& roots, const Shape& shape, std::uint32_t s, Side side) {
   const std::size_t first = roots.root.size();
-  const auto* sphere = std::get_if<Sphere>(&shape.geometry);
-  const std::size_t primitives = sphere ? 8 : std::get<Mesh>(shape.geometry).triangles.size();
+  const std::size_t primitives = piece_count(shape.geometry);
   roots.root.resize(first + primitives);
   roots.area.resize(first + primitives);
   roots.candidate.resize(first + primitives);
@@ -28,8 +27,7 @@ void add_side(Roots& roots, const Shape& shape, std::uint32_t s, Side side) {
     for (std::size_t k = begin; k < end; ++k) {
       const auto primitive = static_cast<std::uint32_t>(k);
       roots.root[first + k] = {s, primitive, 0, no_index, 1, side};
-      const Patch patch = sphere ? spherical_patch(*sphere, octant_corners(primitive), side)
-                                 : triangle_patch(std::get<Mesh>(shape.geometry), primitive, side);
+      const Patch patch = piece_patch(shape.geometry, primitive, side);
       roots.area[first + k] = patch.area;
       roots.candidate[first + k] = cluster_candidate(patch, shape.material, side);
     }

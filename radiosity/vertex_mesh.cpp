@@ -5,15 +5,16 @@
 
 #include "radiosity/smooth_groups.h"
 #include "render/core/interrupt.h"
+#include "render/scene/geometry.h"
 
 namespace twopass {
 
 namespace {
 
-// A corner of a root and where it is. Octants of a sphere only ever meet those of its own side: they are keyed
-// by it, and lie at the unit directions of the axes.
+// A corner of a root and where it is. Pieces of an analytic surface only ever meet those of its own side: they
+// are keyed by it and by piece_corner_key().
 struct CornerUse {
-  std::uint32_t surface;  // shape and side of a sphere; no_index: triangles
+  std::uint32_t surface;  // shape and side of an analytic surface; no_index: triangles
   V3f position;
   std::uint32_t use;  // 3 x root + corner
 
@@ -91,7 +92,8 @@ class VertexMeshBuilder {
  private:
   [[nodiscard]] std::uint32_t root_count() const { return static_cast<std::uint32_t>(mesh_.roots().size()); }
   [[nodiscard]] const ElementRoot& root(std::uint32_t r) const { return mesh_.roots()[r]; }
-  [[nodiscard]] bool is_sphere(std::uint32_t r) const { return mesh_.is_sphere(root(r).shape); }
+  [[nodiscard]] bool is_analytic(std::uint32_t r) const { return mesh_.is_analytic(root(r).shape); }
+  [[nodiscard]] const Geometry& geometry(std::uint32_t r) const { return mesh_.shapes()[root(r).shape].geometry; }
 
   std::uint32_t add_vertex(const V3d& position) {
     result_.position_.emplace_back(position);
@@ -148,14 +150,13 @@ class VertexMeshBuilder {
     uses.reserve(3 * mesh_.roots().size());
     for (std::uint32_t r = 0; r < root_count(); ++r) {
       const ElementRoot& where = root(r);
+      const std::array<V3f, 3> p =
+          is_analytic(r) ? std::array<V3f, 3>{} : corners(geometry(r), where.primitive);
       for (std::uint32_t k = 0; k < 3; ++k) {
-        CornerUse use{no_index, V3f(0.0f), 3 * r + k};
-        if (is_sphere(r)) {
+        CornerUse use{no_index, p[k], 3 * r + k};
+        if (is_analytic(r)) {
           use.surface = where.shape << 1 | where.side;
-          use.position = V3f(octant_corners(where.primitive)[k]);
-        } else {
-          const Mesh& mesh = std::get<Mesh>(mesh_.shapes()[where.shape].geometry);
-          use.position = mesh.positions[mesh.triangles[where.primitive][static_cast<int>(k)]];
+          use.position = piece_corner_key(geometry(r), where.primitive, static_cast<int>(k));
         }
         uses.push_back(use);
       }
@@ -182,10 +183,9 @@ class VertexMeshBuilder {
   }
 
   [[nodiscard]] V3f normal_of(std::uint32_t r) const {
-    // The octants that meet are always one surface.
-    if (is_sphere(r)) return V3f(1.0f, 0.0f, 0.0f);
-    const Mesh& mesh = std::get<Mesh>(mesh_.shapes()[root(r).shape].geometry);
-    return V3f(triangle_patch(mesh, root(r).primitive, root(r).side).normal);
+    // The pieces that meet are always one surface.
+    if (is_analytic(r)) return V3f(1.0f, 0.0f, 0.0f);
+    return V3f(piece_patch(geometry(r), root(r).primitive, root(r).side).normal);
   }
 
   // Fills label_ for corners or edges that lie at one place.

@@ -18,6 +18,19 @@ void on_interrupt(int) {
   std::signal(SIGINT, SIG_DFL);
 }
 
+// The names that would have worked in place of one that nobody knows.
+void print_known_names(const CLI::App& program) {
+  const auto chosen = program.get_subcommands();
+  std::string names;
+  if (chosen.empty())
+    for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
+      names += ' ' + command->get_name();
+  else
+    for (const CLI::Option* option : chosen.front()->get_options())
+      if (!option->get_lnames().empty()) names += " --" + option->get_lnames().front();
+  std::fprintf(stderr, "%s:%s\n", chosen.empty() ? "commands" : "its options", names.c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -41,6 +54,10 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::Success& wish) {  // --help, --version
     return program.exit(wish);
+  } catch (const CLI::ExtrasError& error) {
+    program.exit(error);
+    print_known_names(program);
+    return exit_usage;
   } catch (const CLI::ParseError& error) {
     program.exit(error);
     return exit_usage;

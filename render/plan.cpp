@@ -4,7 +4,8 @@ namespace twopass {
 
 SceneNeeds needs_of(const SceneDescription& scene) {
   SceneNeeds needs;
-  needs.light = !scene.environment.is_black() || !scene.punctual_lights.empty();
+  needs.sky = !scene.environment.is_black();
+  needs.light = needs.sky || !scene.punctual_lights.empty();
   for (const Shape& shape : scene.shapes) {
     if (is_emitter(shape)) needs.light = true;
     for (const MaterialSide& side : scene.materials[shape.material].side) {
@@ -31,6 +32,10 @@ Plan plan_render(const SceneNeeds& needs, IntegratorKind integrator, const PathL
     skip("paths are too short to read it");
   else
     plan.radiosity_pass = true;
+  // Under a sky gather rays pay twice: they find the sky, too.
+  plan.indirect_field = plan.radiosity_pass && integrator == IntegratorKind::two_pass && !needs.sky;
+  if (plan.radiosity_pass && integrator == IntegratorKind::two_pass && needs.sky)
+    plan.skipped.push_back({"look-ups of indirect light", "gather rays are needed to find the sky"});
   return plan;
 }
 

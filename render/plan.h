@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "integrators/make_integrator.h"
+#include "render/load/load.h"
 
 namespace twopass {
 
@@ -14,16 +15,14 @@ struct SceneNeeds {
   bool diffuse_reflection = false;  ///< some surface reflects diffusely
   bool specular = false;            ///< some surface is a mirror or glass
   bool see_through = false;         ///< light passes straight through some surface: a mask
+  bool sky = false;                 ///< the environment shines
 };
 SceneNeeds needs_of(const SceneDescription& scene);
-
-struct Skipped {
-  std::string what, why;
-};
 
 /// Which passes will run for one render.
 struct Plan {
   bool radiosity_pass = false;
+  bool indirect_field = false;  ///< with it: what need not be gathered is looked up (radiosity, R39)
   std::vector<Skipped> skipped;
 };
 /// What the integrator needs of the scene. The picture is the same with and without what is skipped.

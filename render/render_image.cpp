@@ -24,17 +24,21 @@ class PixelGroup {
 
   /// Draws the camera rays of a pixel's samples.
   void add(int x, int y, const SampleRange& range) {
-    const auto stream = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(film_.width()) +
-                        static_cast<std::uint32_t>(x);
+    const V2i pixel = V2i(x, y) + job_.corner;
+    const auto stream = static_cast<std::uint32_t>(pixel.y) * static_cast<std::uint32_t>(job_.camera.width()) +
+                        static_cast<std::uint32_t>(pixel.x);
     const auto strata = static_cast<std::uint32_t>(job_.goal.samples_per_pixel);
     pixels_.push_back({x, y, range.end - range.begin});
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       Sampler sampler(job_.seed, stream, i, job_.sampler, strata);
       // The filter is sampled instead of splatted, so that a sample lands in one pixel (Ernst et al. 2006).
       const FilterSample at = sample_filter(job_.filter, sampler.next_2d());
-      const Ray ray = job_.camera.ray(
-          {static_cast<float>(x) + 0.5f + at.offset.x, static_cast<float>(y) + 0.5f + at.offset.y});
-      samples_.push_back({ray, sampler});
+      const V2f lens = job_.camera.has_lens() ? sampler.next_2d() : V2f(0.0f, 0.0f);
+      const CameraRay seen = job_.camera.ray(
+          {static_cast<float>(pixel.x) + 0.5f + at.offset.x, static_cast<float>(pixel.y) + 0.5f + at.offset.y},
+          lens);
+      samples_.push_back({seen.ray, sampler, {}, seen.reach});
+      if (job_.cone.is_open()) samples_.back().cone = job_.cone;
       weights_.push_back(at.weight);
     }
   }

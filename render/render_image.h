@@ -17,7 +17,9 @@ struct RenderJob {
   SamplingGoal goal;
   std::uint32_t seed = 0;
   SamplerKind sampler = SamplerKind::sobol;
+  RayCone cone{};  ///< of each sample's ray: how textures are filtered
   std::function<void(double)> report_progress;  ///< called by any thread with the fraction that is done
+  V2i corner{0, 0};  ///< the film's upper left pixel in the camera's picture, of which it may be a part
 };
 
 struct RenderOutcome {
@@ -27,8 +29,9 @@ struct RenderOutcome {
   double pixels_stopped_early = 0.0;  ///< share of the pixels with fewer samples than the mean of all
 };
 
-/// Renders into the film. Every sample is a pure function of (seed, pixel, sample index), so the film does not
-/// depend on the number of threads. Stops early, with whole samples, when the user interrupts.
+/// Renders into the film. Every sample is a pure function of (seed, pixel of the camera's picture, sample
+/// index), so the film does not depend on the number of threads, and a part of a picture is the same as in the
+/// whole. Stops early, with whole samples, when the user interrupts.
 RenderOutcome render_image(const RenderJob& job, Film& film);
 
 }  // namespace twopass

@@ -57,7 +57,7 @@ ordered_json render_json(const RenderStatistics& s) {
 void RenderStatistics::count(const Scene& scene) {
   triangles = 0;
   for (const Shape& shape : scene.shapes())
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) triangles += mesh->triangles.size();
+    if (const Mesh* mesh = mesh_of(shape.geometry)) triangles += mesh->triangles.size();
   emitters = scene.lights().count();
 }
 

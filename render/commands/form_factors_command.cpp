@@ -90,7 +90,7 @@ int form_factors(FormFactorsOptions options, const GlobalOptions& global) {
   options.factors.method = value_of_name<FormFactorMethod>(form_factor_method_names, options.method, "--method",
                                                            "form factor method");
   options.factors.occlusion = !options.no_occlusion;
-  const Scene scene(options.scene.load(global.console(), SceneOptions::Framing::none).scene);
+  const Scene scene(options.scene.load(global.console(), SceneOptions::Additions::none).scene);
   const FormFactorTable table = form_factor_table(scene, options.factors);
   for (const std::string& note : table.notes) global.console().note(note);
   if (options.json)

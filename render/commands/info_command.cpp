@@ -1,12 +1,13 @@
 // twopass info: what is in a scene, what it needs, and what will be skipped.
+#include <algorithm>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
 
 #include "render/commands/command.h"
 #include "render/commands/scene_options.h"
+#include "render/commands/scene_report.h"
 #include "render/core/parallel.h"
-#include "render/plan.h"
 
 namespace twopass {
 
@@ -19,99 +20,81 @@ struct InfoOptions {
   bool json = false;
 };
 
-// Counts a material's models, and what changes them.
-void count_models(std::map<std::string, std::size_t>& models, const MaterialNode& node) {
-  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) {
-    ++models[std::string(model_names[model->bsdf.index()])];
-  } else if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
-    ++models["mixture"];
-    count_models(models, *mixture->first);
-    count_models(models, *mixture->second);
-  } else if (const auto* bump = std::get_if<BumpMap>(&node.kind)) {
-    ++models["bumpmap"];
-    count_models(models, *bump->nested);
-  } else {
-    ++models["normalmap"];
-    count_models(models, *std::get<NormalMap>(node.kind).nested);
+std::string text(const ordered_json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.5g", value.get<double>());
+    return number;
   }
-}
-
-ordered_json describe(const LoadedScene& loaded) {
-  const SceneDescription& scene = loaded.scene;
-  std::size_t triangles = 0, spheres = 0, emitting_triangles = 0, emitting_spheres = 0;
-  for (const Shape& shape : scene.shapes) {
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-      triangles += mesh->triangles.size();
-      if (is_emitter(shape)) emitting_triangles += mesh->triangles.size();
-    } else {
-      ++spheres;
-      if (is_emitter(shape)) ++emitting_spheres;
-    }
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_null()) return "none";
+  if (value.is_array()) {
+    std::string joined;
+    for (const ordered_json& entry : value) joined += (joined.empty() ? "" : " ") + text(entry);
+    return joined;
   }
-  std::map<std::string, std::size_t> models;
-  for (const Material& material : scene.materials) count_models(models, *material.side[front].node());
-  const Box3f box = bounds_of(scene.shapes);
-  ordered_json bounds = nullptr;
-  if (!box.isEmpty())
-    bounds = {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
-
-  std::map<std::string, std::size_t> punctual;
-  for (const PunctualLight& light : scene.punctual_lights) ++punctual[kind_name(light)];
-
-  const SceneNeeds needs = needs_of(scene);
-  const PathLimits limits{loaded.settings.max_depth, loaded.settings.rr_depth, loaded.settings.hide_emitters};
-  const IntegratorKind integrator =
-      loaded.settings.integrator ? value_of_name<IntegratorKind>(integrator_names, *loaded.settings.integrator,
-                                                                 "integrator", "integrator")
-                                 : IntegratorKind::two_pass;
-  const Plan plan = plan_render(needs, integrator, limits);
-  ordered_json skipped = ordered_json::array();
-  for (const Skipped& entry : plan.skipped) skipped.push_back({{"what", entry.what}, {"why", entry.why}});
-  return {{"shapes", scene.shapes.size()},
-          {"triangles", triangles},
-          {"spheres", spheres},
-          {"materials", models},
-          {"emitters",
-           {{"triangles", emitting_triangles},
-            {"spheres", emitting_spheres},
-            {"punctual", punctual},
-            {"environment", scene.environment.kind_name()}}},
-          {"textures", 0},
-          {"bounds", bounds},
-          {"size", {loaded.settings.width, loaded.settings.height}},
-          {"integrator", name_of_value<IntegratorKind>(integrator_names, integrator)},
-          {"needs",
-           {{"light", needs.light},
-            {"diffuse_reflection", needs.diffuse_reflection},
-            {"specular", needs.specular},
-            {"see_through", needs.see_through},
-            {"radiosity_pass", plan.radiosity_pass}}},
-          {"skipped", skipped}};
+  return value.dump();
 }
 
 void print(const ordered_json& value, int indent) {
   for (const auto& [key, entry] : value.items()) {
     if (entry.is_object()) {
-      std::printf("%*s%s\n", indent, "", key.c_str());
+      if (!entry.empty()) std::printf("%*s%s\n", indent, "", key.c_str());
       print(entry, indent + 2);
     } else if (key == "skipped") {
       for (const ordered_json& skipped : entry)
-        std::printf("%*sskipped: %s, because %s\n", indent, "", skipped["what"].get<std::string>().c_str(),
-                    skipped["why"].get<std::string>().c_str());
+        std::printf("%*sskipped: %s, because %s\n", indent, "", text(skipped["what"]).c_str(),
+                    text(skipped["why"]).c_str());
+    } else if (key == "problems") {
+      for (const ordered_json& problem : entry)
+        std::printf("%*slook at: %s\n", indent, "", text(problem).c_str());
     } else {
-      const std::string text = entry.is_string() ? entry.get<std::string>() : entry.dump();
-      std::printf("%*s%-*s %s\n", indent, "", 20 - indent, key.c_str(), text.c_str());
+      std::printf("%*s%-*s %s\n", indent, "", 24 - indent, key.c_str(), text(entry).c_str());
     }
   }
 }
 
+// A row for each, a column for each of the keys that any of them has.
+void print_table(const char* title, const ordered_json& rows) {
+  std::vector<std::string> keys;
+  for (const ordered_json& row : rows)
+    for (const auto& [key, value] : row.items())
+      if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
+  std::vector<std::size_t> widths;
+  for (const std::string& key : keys) {
+    std::size_t width = key.size();
+    for (const ordered_json& row : rows)
+      if (row.contains(key)) width = std::max(width, text(row[key]).size());
+    widths.push_back(width);
+  }
+  std::printf("\n%s\n", title);
+  const auto line = [&](const auto& cell) {
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      std::printf(i == 0 ? "  %-*s" : "  %*s", static_cast<int>(widths[i]), cell(keys[i]).c_str());
+    std::printf("\n");
+  };
+  line([](const std::string& key) { return key; });
+  for (const ordered_json& row : rows)
+    line([&](const std::string& key) { return row.contains(key) ? text(row[key]) : std::string("-"); });
+}
+
 int info(const InfoOptions& options, const GlobalOptions& global) {
   const ThreadLimit limit(global.threads);
-  const ordered_json description = describe(options.scene.load(global.console(), SceneOptions::Framing::none));
-  if (options.json)
-    std::printf("%s\n", description.dump(2).c_str());
-  else
-    print(description, 0);
+  ordered_json report = scene_report(options.scene.load(global.console(), SceneOptions::Additions::none));
+  if (options.json) {
+    // Names come from files, which may hold anything.
+    std::printf("%s\n", report.dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
+    return 0;
+  }
+  const ordered_json shapes = report["shapes_by_name"], materials = report["materials_by_name"];
+  report.erase("shapes_by_name");
+  report.erase("materials_by_name");
+  report.erase("notes");  // the console has them
+  print(report, 0);
+  if (!global.verbose) return 0;
+  print_table("shapes", shapes);
+  print_table("materials", materials);
   return 0;
 }
 

@@ -22,6 +22,7 @@ struct RenderOptions {
   SceneOptions scene;
   std::vector<std::string> outputs;
   std::string integrator, sampler, size, stats_file, exr_type;
+  std::vector<int> crop;  // left, top, width, height
   SamplingGoal goal;
   std::optional<int> max_depth;
   float clamp_direct = infinity_f, clamp_indirect = infinity_f;
@@ -36,6 +37,7 @@ struct Settings {
   IntegratorKind integrator = IntegratorKind::two_pass;
   PathLimits limits;
   int width = 0, height = 0;
+  PixelWindow window;  // the part of it that is rendered
   SamplingGoal goal;
   SamplerKind sampler = SamplerKind::sobol;
   std::uint32_t seed = 0;
@@ -46,6 +48,31 @@ void parse_size(const std::string& text, Settings& settings) {
   if (std::sscanf(text.c_str(), "%dx%d%n", &settings.width, &settings.height, &consumed) != 2 ||
       consumed != static_cast<int>(text.size()) || settings.width < 1 || settings.height < 1)
     throw Error("--size " + text, "not a picture size", "write WIDTHxHEIGHT in pixels, for example 640x480");
+}
+
+// The part of the picture to render: --crop, else the file's window, which keeps its place in a picture of
+// another size, else all.
+PixelWindow window_of(const RenderOptions& options, const FileSettings& file, const V2i& size) {
+  if (!options.crop.empty()) {
+    const PixelWindow window{{options.crop[0], options.crop[1]}, {options.crop[2], options.crop[3]}};
+    for (int axis = 0; axis < 2; ++axis)
+      if (window.corner[axis] < 0 || window.size[axis] < 1 ||
+          window.corner[axis] > size[axis] - window.size[axis])
+        throw Error(
+            "--crop", "the window reaches beyond the picture",
+            "give LEFT,TOP,WIDTH,HEIGHT inside of " + std::to_string(size.x) + "x" + std::to_string(size.y));
+    return window;
+  }
+  if (!file.crop) return {{0, 0}, size};
+  PixelWindow window;
+  const V2i file_size(file.width, file.height);
+  for (int axis = 0; axis < 2; ++axis) {
+    const double scale = static_cast<double>(size[axis]) / file_size[axis];
+    const int begin = file.crop->corner[axis], end = begin + file.crop->size[axis];
+    window.corner[axis] = static_cast<int>(begin * scale);
+    window.size[axis] = std::min(static_cast<int>(std::ceil(end * scale)), size[axis]) - window.corner[axis];
+  }
+  return window;
 }
 
 Settings settle(const RenderOptions& options, const FileSettings& file, const Console& console) {
@@ -64,6 +91,7 @@ Settings settle(const RenderOptions& options, const FileSettings& file, const Co
   settings.width = file.width;
   settings.height = file.height;
   if (!options.size.empty()) parse_size(options.size, settings);
+  settings.window = window_of(options, file, {settings.width, settings.height});
   settings.goal = options.goal;
   const bool has_goal =
       settings.goal.samples_per_pixel > 0 || settings.goal.seconds > 0.0 || settings.goal.relative_error > 0.0;
@@ -127,6 +155,8 @@ std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& o
   const int max_reflections = max_reflections_of(settings);
   RadiosityOptions radiosity = options.radiosity.settle(settings.seed);
   radiosity.max_reflections = max_reflections;
+  if (settings.integrator == IntegratorKind::two_pass)
+    radiosity.gathered_pixels = static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
   const Stopwatch stopwatch;
   Solution solution = options.solution_file.empty()
                           ? solve_radiosity(scene, radiosity)
@@ -144,8 +174,31 @@ std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& o
   return solution;
 }
 
-ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const RenderStatistics& s) {
+// What the picture may look up instead of gathering. Its time and rays are part of pass one.
+std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* solution, const Settings& settings,
+                                           const Plan& plan, const Console& console,
+                                           RenderStatistics& statistics) {
+  if (!plan.indirect_field) return std::nullopt;
+  const Stopwatch stopwatch;
+  IndirectFieldOptions field_options;
+  field_options.seed = settings.seed;
+  IndirectField field(scene, *solution, field_options);
+  const Elapsed elapsed = stopwatch.elapsed();
+  statistics.radiosity_time.seconds += elapsed.seconds;
+  statistics.radiosity_time.cpu_seconds += elapsed.cpu_seconds;
+  statistics.radiosity->rays += field.rays();
+  char text[120];
+  std::snprintf(text, sizeof text, "indirect light: looked up on %.0f %% of the area, gathered elsewhere, %.2f s",
+                100.0 * field.trusted_share(), elapsed.seconds);
+  console.note(text);
+  return field;
+}
+
+ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
+                       const RenderStatistics& s) {
   ExrOptions exr;
+  exr.data_offset = settings.window.corner;
+  exr.display_size = V2i(settings.width, settings.height);
   const bool half = options.exr_type.empty() ? file.half.value_or(true) : options.exr_type == "half";
   exr.pixel_type = half ? PixelType::half : PixelType::float_;
   const double pixels = static_cast<double>(s.width) * s.height;
@@ -203,7 +256,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const ThreadLimit limit(global.threads);
 
   Stopwatch stopwatch;
-  LoadedScene loaded = options.scene.load(console, SceneOptions::Framing::automatic);
+  LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera);
   const Settings settings = settle(options, loaded.settings, console);
   const SceneNeeds needs = needs_of(loaded.scene);
   const Plan plan = plan_render(needs, settings.integrator, settings.limits);
@@ -221,11 +274,18 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 
   const std::optional<Solution> solution = run_radiosity(scene, options, settings, plan, console, s);
 
+  const std::optional<IndirectField> field =
+      prepare_field(scene, solution ? &*solution : nullptr, settings, plan, console, s);
+
   stopwatch = Stopwatch();
-  Film film(settings.width, settings.height);
+  Film film(settings.window.size.x, settings.window.size.y);
   const std::unique_ptr<Integrator> integrator =
-      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, settings.limits);
+      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, field ? &*field : nullptr,
+                      settings.limits);
   const Camera camera(camera_description, settings.width, settings.height);
+  const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
+                                                          settings.goal.samples_per_pixel)
+                                            : RayCone{};
   {
     Progress progress(console, "rendering");
     s.outcome = render_image({.integrator = *integrator,
@@ -234,19 +294,23 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                               .goal = settings.goal,
                               .seed = settings.seed,
                               .sampler = settings.sampler,
-                              .report_progress = [&](double fraction) { progress.update(fraction); }},
+                              .cone = cone,
+                              .report_progress = [&](double fraction) { progress.update(fraction); },
+                              .corner = settings.window.corner},
                              film);
   }
   s.render = stopwatch.elapsed();
+  note_tiled_textures(console, loaded.tiled_textures);
 
   s.scene_file = options.scene.file;
   s.count(scene);
   s.skipped = plan.skipped;
+  s.skipped.insert(s.skipped.end(), loaded.left_out.begin(), loaded.left_out.end());
   s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);
   s.bias = bias_text(settings.limits);
   s.sampler = name_of_value<SamplerKind>(sampler_names, settings.sampler);
-  s.width = settings.width;
-  s.height = settings.height;
+  s.width = settings.window.size.x;
+  s.height = settings.window.size.y;
   s.samples = film.samples();
   const NoiseEstimate noise = film.noise();
   s.relative_error = std::sqrt(noise.relmse);
@@ -258,7 +322,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   stopwatch = Stopwatch();
   const Image image = film.resolve();
   for (const std::string& output : options.outputs)
-    write_picture(output, image, display ? &*display : nullptr, exr_options(options, loaded.settings, s));
+    write_picture(output, image, display ? &*display : nullptr,
+                  exr_options(options, loaded.settings, settings, s));
   s.write = stopwatch.elapsed();
   s.total = total.elapsed();
   if (!options.stats_file.empty()) write_statistics(options.stats_file, s);
@@ -293,6 +358,12 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
                   "Stop at this estimated relative error, sampling more where there is more noise")
       ->check(CLI::PositiveNumber);
   command.add_option("--size", options->size, "Picture size, WIDTHxHEIGHT");
+  command
+      .add_option(
+          "--crop", options->crop,
+          "The part of the picture to render, LEFT,TOP,WIDTH,HEIGHT in pixels; .exr files remember its place")
+      ->delimiter(',')
+      ->expected(4);
   command.add_option("--max-depth", options->max_depth, "Most edges of a path; -1 unlimited, 2 direct light")
       ->check(CLI::Range(-1, 1 << 30));
   command

@@ -1,7 +1,10 @@
 #include "render/commands/scene_options.h"
 
+#include <algorithm>
+
 #include "render/core/error.h"
 #include "render/load/mitsuba_emitters.h"
+#include "render/scene/mesh_facts.h"
 
 namespace twopass {
 
@@ -18,17 +21,51 @@ Definitions parse_definitions(const std::vector<std::string>& texts) {
   return definitions;
 }
 
+bool has_light(const SceneDescription& scene) {
+  return !scene.environment.is_black() || !scene.punctual_lights.empty() ||
+         std::ranges::any_of(scene.shapes, is_emitter);
+}
+
+// What a newcomer sees instead of a black picture of nothing.
+std::string addition_text(bool sky, bool camera) {
+  if (!camera) return "no light: a neutral sky shines on it (--sky or --envmap give another, --sky 0,0,0 none)";
+  const std::string text = "no camera: all of it is framed (--camera and --fov give another view)";
+  return sky ? "no camera and no light: all of it is framed, under a neutral sky (--camera, --fov, --sky, "
+               "--envmap)"
+             : text;
+}
+
 }  // namespace
 
 void SceneOptions::add_to(CLI::App& command) {
-  command.add_option("scene", file, "Scene: Mitsuba XML (.xml) or Wavefront (.obj)")->required();
+  command.add_option("scene", file, "Scene: Mitsuba XML (.xml), Wavefront (.obj) or glTF 2.0 (.gltf, .glb)")->required();
   command.add_option("-D", definitions, "Value of a parameter of a Mitsuba scene, name=value (repeatable)")
       ->allow_extra_args(false);
+  command.add_flag("--ignore-unsupported", ignore_unsupported,
+                   "Leave out what the scene asks for and we lack, and say what that is");
+  command
+      .add_option_function<std::string>(
+          "--missing-textures",
+          [this](const std::string& name) {
+            textures.missing =
+                value_of_name<MissingTextures>(missing_textures_names, name, "--missing-textures", "way");
+          },
+          "What becomes of a texture whose file is not there: error (default) or pink")
+      ->type_name("WAY");
+  command
+      .add_option(
+          "--texture-memory", textures.memory_megabytes,
+          "Memory that textures may take, MB; what does not fit is read tile by tile when it is looked at")
+      ->check(CLI::Range(16, 1 << 20))
+      ->capture_default_str();
 }
 
 void SceneOptions::add_sky_to(CLI::App& command) {
   CLI::Option* constant =
-      command.add_option("--sky", sky, "Constant radiance of the sky, R,G,B, for scenes that have none")
+      command
+          .add_option(
+              "--sky", sky,
+              "Constant radiance of the sky, R,G,B (default: the scene's; 1,1,1 where it has no light at all)")
           ->delimiter(',')
           ->expected(3)
           ->check(CLI::NonNegativeNumber);
@@ -44,26 +81,43 @@ void SceneOptions::add_view_to(CLI::App& command) {
       ->check(CLI::Range(1e-3, 179.9));
 }
 
-LoadedScene SceneOptions::load(const Console& console, Framing framing) const {
-  LoadedScene loaded = load_scene(file, parse_definitions(definitions));
+LoadedScene SceneOptions::load(const Console& console, Additions additions) const {
+  LoadedScene loaded = load_scene(file, parse_definitions(definitions), textures, ignore_unsupported);
+  for (const Skipped& entry : loaded.left_out) console.note("left out: " + entry.what + " (" + entry.why + ")");
   for (const std::string& note : loaded.notes) console.note(note);
   SceneDescription& scene = loaded.scene;
   if (!sky.empty()) scene.environment = Environment(C3f(sky[0], sky[1], sky[2]));
   if (!envmap.empty()) scene.environment = read_environment_map(envmap, {});
+  const bool wants_sky = additions != Additions::none && sky.empty() && envmap.empty() && !has_light(scene);
+  const bool wants_camera = additions == Additions::light_and_camera && !scene.camera && camera.empty();
+  if (wants_sky) scene.environment = Environment(C3f(1.0f));
+  if (wants_camera)
+    scene.camera = framing_camera(bounds_of(scene.shapes),
+                                  faces_inward(scene.shapes) ? FramingView::front : FramingView::three_quarter);
   if (!camera.empty()) {
     const auto vector = [&](int i) { return V3d(camera[i], camera[i + 1], camera[i + 2]); };
-    const CameraDescription previous = scene.camera.value_or(CameraDescription{});
-    scene.camera = previous;
+    if (!scene.camera) scene.camera.emplace();
+    scene.camera->projection = Projection::perspective;
     scene.camera->to_world = look_at(vector(0), vector(3), vector(6), "--camera");
-  } else if (!scene.camera && framing == Framing::automatic) {
-    scene.camera = framing_camera(bounds_of(scene.shapes));
-    console.note(file + ": no camera; framing the scene from the front (--camera overrides)");
   }
   if (fov_degrees && scene.camera) {
+    scene.camera->projection = Projection::perspective;
     scene.camera->fov_degrees = *fov_degrees;
     scene.camera->fov_axis = FovAxis::x;
   }
+  if (wants_sky || wants_camera) console.note(file + ": " + addition_text(wants_sky, wants_camera));
   return loaded;
+}
+
+void note_tiled_textures(const Console& console, std::span<const TiledTexture> textures) {
+  for (const TiledTexture& texture : textures) {
+    if (const auto tiles = texture.image->unreadable_tiles(); tiles > 0)
+      console.note(texture.name + ": " + std::to_string(tiles) +
+                   " look-ups met tiles that cannot be read; they saw black");
+    if (const auto bad = texture.image->not_finite(); bad > 0)
+      console.note(texture.name + " holds " + std::to_string(bad) +
+                   " values that are NaN or infinite; they read as 0");
+  }
 }
 
 }  // namespace twopass

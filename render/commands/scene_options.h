@@ -19,16 +19,21 @@ struct SceneOptions {
   std::optional<double> fov_degrees;
   std::vector<float> sky;  ///< R, G, B
   std::string envmap;      ///< file
+  bool ignore_unsupported = false;
+  TextureOptions textures;
 
-  /// Whether a scene without a camera gets one that frames it.
-  enum class Framing { none, automatic };
+  /// What a scene that has none of it gets: a sky, and a camera that frames it.
+  enum class Additions { none, light, light_and_camera };
 
   /// The file and the parameters of its contents; `add_sky_to` adds the sky, `add_view_to` the camera.
   void add_to(CLI::App& command);
   void add_sky_to(CLI::App& command);
   void add_view_to(CLI::App& command);
   /// Loads the scene, applies the options, and says on the console what was noticed. Throws Error.
-  [[nodiscard]] LoadedScene load(const Console& console, Framing framing) const;
+  [[nodiscard]] LoadedScene load(const Console& console, Additions additions) const;
 };
+
+/// Says what was wrong with textures that were read while rendering.
+void note_tiled_textures(const Console& console, std::span<const TiledTexture> textures);
 
 }  // namespace twopass

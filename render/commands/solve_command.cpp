@@ -78,7 +78,7 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
   const ThreadLimit limit(global.threads);
 
   Stopwatch stopwatch;
-  LoadedScene loaded = options.scene.load(console, SceneOptions::Framing::none);
+  LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light);
   s.seed = options.seed.value_or(loaded.settings.seed.value_or(0));
   const RadiosityOptions radiosity = options.radiosity.settle(s.seed);
   s.load = stopwatch.elapsed();

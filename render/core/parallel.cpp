@@ -1,6 +1,9 @@
 #include "render/core/parallel.h"
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
 #include <thread>
 
 #include <tbb/blocked_range.h>
@@ -30,6 +33,27 @@ void parallel_for(std::size_t count, std::size_t grain,
       tbb::blocked_range<std::size_t>(0, count, std::max<std::size_t>(1, grain)),
       [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
       tbb::simple_partitioner());
+}
+
+void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& task) {
+  std::atomic<std::size_t> first_failure = count;
+  std::exception_ptr failure;
+  std::mutex mutex;
+  parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      // Only what stands behind a failure is skipped, so that the lowest one is always found.
+      if (i > first_failure) return;
+      try {
+        task(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (i > first_failure) return;
+        first_failure = i;
+        failure = std::current_exception();
+      }
+    }
+  });
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace twopass

@@ -28,4 +28,9 @@ class ThreadLimit {
 void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body);
 
+/// Calls task(i) for each i in [0, count), in parallel: for tasks that may fail. When some throw, rethrows the
+/// exception of the lowest i, which is the one that a serial loop would have met; tasks above it may be
+/// skipped.
+void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& task);
+
 }  // namespace twopass

@@ -42,6 +42,25 @@ inline V2f square_to_triangle(const V2f& u) {
   return {u.x - half, u.y - half};
 }
 
+/// Point of the unit disk for one of the square from -1 to 1, with constant density (Shirley and Chiu 1997): each
+/// of the four triangles between the middle and an edge becomes the quarter of the disk around it.
+template <class V2>
+V2 square_to_disk_concentric(const V2& p) {
+  using T = typename V2::BaseType;
+  constexpr T quarter = T(pi / 4);
+  if (p.x == 0 && p.y == 0) return V2(0, 0);
+  if (std::abs(p.x) >= std::abs(p.y)) {
+    const T angle = quarter * (p.y / p.x);
+    return V2(p.x * std::cos(angle), p.x * std::sin(angle));
+  }
+  const T angle = quarter * (p.x / p.y);
+  return V2(p.y * std::sin(angle), p.y * std::cos(angle));
+}
+/// Uniform point of the unit disk.
+inline V2f square_to_disk(const V2f& u) {
+  return square_to_disk_concentric(V2f(2.0f * u.x - 1.0f, 2.0f * u.y - 1.0f));
+}
+
 /// Uniform direction.
 inline V3f square_to_sphere(const V2f& u) {
   const float z = 1.0f - 2.0f * u.x;

@@ -94,17 +94,22 @@ void append_builtin(ocio::GroupTransform& group, const char* style, ocio::Transf
   group.appendTransform(transform);
 }
 
+// The space through which a configuration is reached that does not name linear Rec.709: ACES2065-1.
+const char* interchange_of(const NamedConfig& named) {
+  if (!named.config->hasRole(ocio::ROLE_INTERCHANGE_SCENE))
+    throw Error(named.origin + " " + named.name,
+                "it neither names linear Rec.709 (lin_rec709_scene) nor has the role aces_interchange",
+                "add the role to the configuration or choose another one");
+  return ocio::ROLE_INTERCHANGE_SCENE;
+}
+
 // From our pixels to the display: the space they are in, by name or through ACES2065-1, then the view.
 ocio::ConstTransformRcPtr make_transform(const NamedConfig& named, const std::string& display,
                                          const std::string& view) {
   const ocio::GroupTransformRcPtr group = ocio::GroupTransform::Create();
   std::string source = linear_rec709_of(*named.config);
   if (source.empty()) {
-    if (!named.config->hasRole(ocio::ROLE_INTERCHANGE_SCENE))
-      throw Error(named.origin + " " + named.name,
-                  "it neither names linear Rec.709 (lin_rec709_scene) nor has the role aces_interchange",
-                  "add the role to the configuration or choose another one");
-    source = ocio::ROLE_INTERCHANGE_SCENE;
+    source = interchange_of(named);
     append_builtin(*group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", ocio::TRANSFORM_DIR_INVERSE);
     append_builtin(*group, "ACEScg_to_ACES2065-1", ocio::TRANSFORM_DIR_FORWARD);
   }
@@ -113,6 +118,21 @@ ocio::ConstTransformRcPtr make_transform(const NamedConfig& named, const std::st
   to_display->setDisplay(display.c_str());
   to_display->setView(view.c_str());
   group->appendTransform(to_display);
+  return group;
+}
+
+// The way back: from a named space to our pixels.
+ocio::ConstTransformRcPtr make_input_transform(const NamedConfig& named, const std::string& color_space) {
+  const ocio::GroupTransformRcPtr group = ocio::GroupTransform::Create();
+  const std::string rec709 = linear_rec709_of(*named.config);
+  const ocio::ColorSpaceTransformRcPtr transform = ocio::ColorSpaceTransform::Create();
+  transform->setSrc(color_space.c_str());
+  transform->setDst(rec709.empty() ? interchange_of(named) : rec709.c_str());
+  group->appendTransform(transform);
+  if (rec709.empty()) {
+    append_builtin(*group, "ACEScg_to_ACES2065-1", ocio::TRANSFORM_DIR_INVERSE);
+    append_builtin(*group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", ocio::TRANSFORM_DIR_FORWARD);
+  }
   return group;
 }
 
@@ -173,6 +193,41 @@ void DisplayTransform::apply(std::span<float> rgb) const {
   ocio::PackedImageDesc pixels(rgb.data(), static_cast<long>(rgb.size() / 3), 1, 3);
   impl_->processor->apply(pixels);
   for (float& value : rgb) value = std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 0.0f;
+}
+
+struct ColorSpaceTransform::Impl {
+  ocio::ConstCPUProcessorRcPtr processor;
+};
+
+ColorSpaceTransform::ColorSpaceTransform(const std::string& color_space, const std::string& config,
+                                         std::string_view where)
+    : impl_(std::make_unique<Impl>()) {
+  const NamedConfig named = load_config(config);
+  if (named.config->getColorSpace(color_space.c_str()) == nullptr) {
+    std::vector<std::string_view> known;
+    for (int i = 0; i < named.config->getNumColorSpaces(); ++i)
+      known.push_back(named.config->getColorSpaceNameByIndex(i));
+    throw Error(where,
+                "the OpenColorIO configuration " + named.name + " has no colour space '" + color_space + "'",
+                "use one of: " + join_names(known) + "; or choose another configuration with $OCIO");
+  }
+  try {
+    impl_->processor =
+        named.config->getProcessor(make_input_transform(named, color_space))->getDefaultCPUProcessor();
+  } catch (const ocio::Exception& e) {
+    throw Error(where,
+                "the colour space '" + color_space + "' of " + named.name + " cannot be used: " + e.what(),
+                "check the configuration and the files it refers to");
+  }
+}
+
+ColorSpaceTransform::~ColorSpaceTransform() = default;
+
+void ColorSpaceTransform::apply(std::span<float> rgb) const {
+  assert(rgb.size() % 3 == 0);
+  if (rgb.empty()) return;
+  ocio::PackedImageDesc pixels(rgb.data(), static_cast<long>(rgb.size() / 3), 1, 3);
+  impl_->processor->apply(pixels);
 }
 
 const std::string& DisplayTransform::display() const { return impl_->display; }

@@ -1,9 +1,11 @@
-// From scene-linear pixels to a display, through OpenColorIO. The only home of that library.
+// Between named colour spaces, scene-linear pixels and displays, through OpenColorIO. The only home of that
+// library.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace twopass {
 
@@ -33,6 +35,22 @@ class DisplayTransform {
   [[nodiscard]] const std::string& view() const;
   /// "config, display, view, exposure" for metadata and reports.
   [[nodiscard]] const std::string& description() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// From a colour space of an OpenColorIO configuration to linear Rec.709. Immutable; may be shared by threads.
+class ColorSpaceTransform {
+ public:
+  /// `config` as in DisplayOptions. Throws Error at `where` when the configuration does not know `color_space`
+  /// (listing those that it knows) or how it relates to Rec.709.
+  ColorSpaceTransform(const std::string& color_space, const std::string& config, std::string_view where);
+  ~ColorSpaceTransform();
+
+  /// Turns triples into linear Rec.709, in place. REQUIRES: the size is a multiple of 3.
+  void apply(std::span<float> rgb) const;
 
  private:
   struct Impl;

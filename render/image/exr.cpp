@@ -20,6 +20,7 @@
 
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
+#include "render/image/regular_file.h"
 
 namespace twopass {
 namespace {
@@ -196,9 +197,7 @@ ExrMetadata metadata_of(const Imf::Header& header) {
 }
 
 void check_is_flat_exr(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) throw Error(path.string(), "there is no such file", "check the name");
-  if (fs::is_directory(path, ignored)) throw Error(path.string(), "it is a folder", "give the name of a file");
+  check_regular_file(path);
   if (!Imf::isOpenExrFile(path.c_str())) throw Error(path.string(), "it is no OpenEXR file", "check the file");
 }
 

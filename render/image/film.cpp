@@ -4,6 +4,8 @@
 #include <numeric>
 #include <string>
 
+#include <unistd.h>
+
 #include "render/core/error.h"
 #include "render/image/compare.h"
 
@@ -17,8 +19,16 @@ C3d per_channel_square(const C3d& c) { return {c.x * c.x, c.y * c.y, c.z * c.z};
 }  // namespace
 
 C3d FilmPixel::mean() const {
-  // Filters with negative lobes may leave no usable weight: such a pixel has received nothing yet.
-  return weight > 0.0 ? C3d(sum / weight) : C3d(0.0, 0.0, 0.0);
+  if (samples == 0) return {0.0, 0.0, 0.0};
+  const double n = static_cast<double>(samples), excess = weight / n - 1.0;
+  if (excess == 0.0) return sum / n;  // also keeps an overflown sum from becoming NaN
+  return C3d(sum - plain * excess) / n;
+}
+
+double FilmPixel::mean_alpha() const {
+  if (samples == 0) return 0.0;
+  const double n = static_cast<double>(samples);
+  return std::clamp((alpha - plain_alpha * (weight / n - 1.0)) / n, 0.0, 1.0);
 }
 
 double FilmPixel::relative_variance(const Around& around) const {
@@ -47,7 +57,9 @@ void FilmPixel::merge(const FilmPixel& other) {
   const double n = static_cast<double>(samples), m = static_cast<double>(other.samples);
   spread += other.spread + per_channel_square(other.mean() - mean()) * (n * m / (n + m));
   sum += other.sum;
+  plain += other.plain;
   alpha += other.alpha;
+  plain_alpha += other.plain_alpha;
   weight += other.weight;
   samples += other.samples;
   batches += other.batches;
@@ -61,7 +73,9 @@ bool PixelBatch::add(const C3f& radiance, float alpha, float weight) {
   sums_.weight += std::isfinite(weight) ? weight : 1.0;
   if (!finite) return false;
   sums_.sum += C3d(radiance) * static_cast<double>(weight);
+  sums_.plain += C3d(radiance);
   sums_.alpha += static_cast<double>(alpha) * weight;
+  sums_.plain_alpha += alpha;
   return true;
 }
 
@@ -69,6 +83,16 @@ Film::Film(int width, int height) : width_(width), height_(height) {
   if (width < 1 || height < 1 || static_cast<std::int64_t>(width) * height > most_pixels)
     throw Error("picture", "its size is " + std::to_string(width) + "x" + std::to_string(height),
                 "choose a size of at least 1x1 and at most " + std::to_string(most_pixels) + " pixels");
+  const double bytes = static_cast<double>(width) * height * sizeof(FilmPixel);
+  const double memory =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  // The system would promise the memory, and end the program when it is used.
+  if (bytes > memory)
+    throw Error("picture",
+                std::to_string(width) + "x" + std::to_string(height) + " pixels need " +
+                    std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) +
+                    " GB, more than this machine's memory",
+                "choose a smaller size, or render it in parts (--crop)");
   pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
@@ -100,7 +124,7 @@ Image Film::resolve() const {
     out[0] = static_cast<float>(mean.x);
     out[1] = static_cast<float>(mean.y);
     out[2] = static_cast<float>(mean.z);
-    out[3] = pixel.weight > 0.0 ? static_cast<float>(pixel.alpha / pixel.weight) : 0.0f;
+    out[3] = static_cast<float>(pixel.mean_alpha());
   }
   return image;
 }

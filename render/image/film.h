@@ -18,23 +18,36 @@ struct Around {
 };
 
 /// What a pixel has received, from one batch of samples or from many.
+///
+/// Weights are 1 on average but for kernels with negative lobes not always, and then a mean of weight *
+/// radiance is noisy even where the picture is flat. Hence a control variate: of n samples f with weights w,
+/// the mean is
+///     (sum w f - (sum w / n - 1) sum f) / n,
+/// which is exact for constant f, needs no division by a sum that may vanish, is the plain mean where all
+/// weights are 1, and has a bias of (E f - E w f) / n.
 struct FilmPixel {
   C3d sum{0.0, 0.0, 0.0};     ///< of weight * radiance, W/(m2 sr), linear Rec.709
+  C3d plain{0.0, 0.0, 0.0};   ///< of radiance
   double alpha = 0.0;         ///< sum of weight * coverage
+  double plain_alpha = 0.0;   ///< sum of coverage
   double weight = 0.0;        ///< sum of the filter's weights
   C3d spread{0.0, 0.0, 0.0};  ///< sum over batches of samples * (mean of the batch - mean of all)^2
   std::uint64_t samples = 0;
   std::uint32_t batches = 0;
 
-  /// The pixel's mean radiance; black without samples.
+  /// The pixel's mean radiance; black without samples. May be negative beside something bright, where the
+  /// kernel is.
   [[nodiscard]] C3d mean() const;
+  /// Mean coverage, in [0, 1]; 0 without samples.
+  [[nodiscard]] double mean_alpha() const;
   /// Estimated variance of one sample over r^2 + 0.01 (S9), averaged over the channels, from the scatter of the
   /// batches; divided by `samples` it is the expected relMSE of the mean. r is the pixel's mean radiance, but
   /// only as far as it is certain (two standard errors below) or as the pixels around have it: a rare bright
   /// sample raises the mean of its pixel together with the variance, and would hide itself. Never NaN.
   /// REQUIRES: batches >= 2.
   [[nodiscard]] double relative_variance(const Around& around) const;
-  /// Adds what another set of batches found. Exact (Chan, Golub, LeVeque 1983); order changes only rounding.
+  /// Adds what another set of batches found. Exact (Chan, Golub, LeVeque 1983) where weights are 1, `spread` a
+  /// good estimate where not; order changes only rounding.
   void merge(const FilmPixel& other);
 };
 
@@ -61,7 +74,8 @@ struct NoiseEstimate {
 
 class Film {
  public:
-  /// An empty film. Throws Error unless both sizes are at least 1 and the film has at most 2^28 pixels.
+  /// An empty film. Throws Error unless both sizes are at least 1 and the film has at most 2^28 pixels, for
+  /// which the machine has the memory.
   Film(int width, int height);
 
   [[nodiscard]] int width() const { return width_; }

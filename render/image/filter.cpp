@@ -3,6 +3,8 @@
 #include <array>
 #include <string>
 
+#include "render/image/signed_kernel.h"
+
 namespace twopass {
 namespace {
 
@@ -82,12 +84,23 @@ float sample_1d(const Filter& filter, float u) {
       return filter.radius * v;
     case FilterKind::tent:
       return std::copysign(filter.radius * (1.0f - std::sqrt(1.0f - std::abs(v))), v);
-    case FilterKind::gaussian:
+    default:
       break;
   }
   static const GaussianQuantile quantile;
   return std::copysign(filter.stddev * quantile(1.0f - std::abs(v)), v);
 }
+
+// Mitchell and Netravali 1988, equation 8; r in [0, 2].
+double cubic(double r, double b, double c) {
+  if (r < 1.0)
+    return (((12.0 - 9.0 * b - 6.0 * c) * r + (-18.0 + 12.0 * b + 6.0 * c)) * r * r + (6.0 - 2.0 * b)) / 6.0;
+  return ((((-b - 6.0 * c) * r + (6.0 * b + 30.0 * c)) * r + (-12.0 * b - 48.0 * c)) * r +
+          (8.0 * b + 24.0 * c)) /
+         6.0;
+}
+
+double sinc(double x) { return x < 1e-6 ? 1.0 : std::sin(pi * x) / (pi * x); }
 
 float value_1d(const Filter& filter, float x) {
   const float r = std::abs(x);
@@ -97,6 +110,11 @@ float value_1d(const Filter& filter, float x) {
       return 1.0f;
     case FilterKind::tent:
       return 1.0f - r / filter.radius;
+    case FilterKind::mitchell:
+    case FilterKind::catmullrom:
+      return static_cast<float>(cubic(r, filter.b, filter.c));
+    case FilterKind::lanczos:
+      return static_cast<float>(sinc(r) * sinc(r / filter.radius));
     case FilterKind::gaussian:
       break;
   }
@@ -109,14 +127,24 @@ float integral_1d(const Filter& filter) {
       return 2.0f * filter.radius;
     case FilterKind::tent:
       return filter.radius;
-    case FilterKind::gaussian:
+    default:
       break;
   }
   return filter.stddev * static_cast<float>(2.0 * UnitGaussian::integral(cutoff_stddevs));
 }
 
-constexpr std::array<Named<FilterKind>, 3> names{
-    {{"box", FilterKind::box}, {"tent", FilterKind::tent}, {"gaussian", FilterKind::gaussian}}};
+constexpr std::array<Named<FilterKind>, 6> names{{{"box", FilterKind::box},
+                                                  {"tent", FilterKind::tent},
+                                                  {"gaussian", FilterKind::gaussian},
+                                                  {"mitchell", FilterKind::mitchell},
+                                                  {"catmullrom", FilterKind::catmullrom},
+                                                  {"lanczos", FilterKind::lanczos}}};
+
+Filter with_table(Filter filter) {
+  filter.table = std::make_shared<SignedKernel>(
+      [&filter](double x) { return value_1d(filter, static_cast<float>(x)); }, filter.radius);
+  return filter;
+}
 
 }  // namespace
 
@@ -133,6 +161,22 @@ Filter gaussian_filter(float stddev) {
   return {FilterKind::gaussian, static_cast<float>(cutoff_stddevs) * stddev, stddev};
 }
 
+Filter mitchell_filter(float b, float c) {
+  for (const float parameter : {b, c})
+    if (!(std::abs(parameter) <= 10.0f))
+      throw Error("mitchell filter", "a parameter is " + std::to_string(parameter),
+                  "give B and C from -10 to 10");
+  return with_table({FilterKind::mitchell, 2.0f, 0.0f, b, c});
+}
+
+Filter catmullrom_filter() { return with_table({FilterKind::catmullrom, 2.0f, 0.0f, 0.0f, 0.5f}); }
+
+Filter lanczos_filter(int lobes) {
+  if (lobes < 1 || lobes > 16)
+    throw Error("lanczos filter", "it has " + std::to_string(lobes) + " lobes", "give 1 to 16, such as 3");
+  return with_table({FilterKind::lanczos, static_cast<float>(lobes)});
+}
+
 std::span<const Named<FilterKind>> filter_names() { return names; }
 
 Filter filter_of_name(std::string_view name, std::string_view where) {
@@ -141,6 +185,12 @@ Filter filter_of_name(std::string_view name, std::string_view where) {
       return box_filter();
     case FilterKind::tent:
       return tent_filter();
+    case FilterKind::mitchell:
+      return mitchell_filter();
+    case FilterKind::catmullrom:
+      return catmullrom_filter();
+    case FilterKind::lanczos:
+      return lanczos_filter();
     case FilterKind::gaussian:
       break;
   }
@@ -148,11 +198,18 @@ Filter filter_of_name(std::string_view name, std::string_view where) {
 }
 
 FilterSample sample_filter(const Filter& filter, const V2f& u) {
-  // Each kernel is positive and drawn from exactly, so that value over density is constant: the weight is 1.
+  if (filter.table) {
+    const SignedKernel& kernel = *filter.table;
+    const V2f offset(kernel.sample(u.x), kernel.sample(u.y));
+    const float density = kernel.integral() * kernel.pdf(offset.x) * kernel.integral() * kernel.pdf(offset.y);
+    return {offset, density > 0.0f ? filter_value(filter, offset) / density : 0.0f};
+  }
+  // Positive kernels are drawn from exactly, so that value over density is constant: the weight is 1.
   return {{sample_1d(filter, u.x), sample_1d(filter, u.y)}, 1.0f};
 }
 
 float filter_pdf(const Filter& filter, const V2f& offset) {
+  if (filter.table) return filter.table->pdf(offset.x) * filter.table->pdf(offset.y);
   const float integral = integral_1d(filter);
   return filter_value(filter, offset) / (integral * integral);
 }

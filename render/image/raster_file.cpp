@@ -6,56 +6,15 @@
 #include <string>
 #include <system_error>
 
-#include <dlfcn.h>
-
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
-#include "render/image/oiio_module.h"
+#include "render/image/oiio_loader.h"
+#include "render/image/regular_file.h"
 
 namespace twopass {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Module {
-  TwopassOiioEncode encode;
-  TwopassOiioDecode decode;
-};
-
-constexpr const char* module_name = "twopass_oiio.so";
-
-// Beside the program (build folder) or in lib/twopass of the prefix (installed).
-fs::path find_module() {
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& place : {folder / module_name, folder.parent_path() / "lib" / "twopass" / module_name})
-    if (fs::exists(place, ignored)) return place;
-  throw Error(module_name,
-              "the module for PNG, JPEG and TIFF is neither in " + folder.string() + " nor in " +
-                  (folder.parent_path() / "lib" / "twopass").string(),
-              "build the target twopass_oiio or install the program, or use .exr");
-}
-
-void* symbol(void* library, const char* name, const fs::path& path) {
-  void* address = ::dlsym(library, name);
-  if (address == nullptr)
-    throw Error(path.string(), std::string("it lacks ") + name, "build the program and its module together");
-  return address;
-}
-
-const Module& module() {
-  // Loaded once and for the life of the process: OpenImageIO keeps threads that must not lose their code.
-  static const Module loaded = [] {
-    const fs::path path = find_module();
-    void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr)
-      throw Error(path.string(), std::string("it cannot be loaded: ") + ::dlerror(),
-                  "install OpenImageIO, or use .exr");
-    return Module{reinterpret_cast<TwopassOiioEncode>(symbol(library, "twopass_oiio_encode", path)),
-                  reinterpret_cast<TwopassOiioDecode>(symbol(library, "twopass_oiio_decode", path))};
-  }();
-  return loaded;
-}
 
 // What the module hands over, whether it encodes or decodes.
 struct Exchange {
@@ -123,17 +82,15 @@ void write_raster(const fs::path& path, const Image& image) {
   const TwopassRaster raster{format.c_str(), image.width, image.height, deep ? 16 : 8,
                              deep ? static_cast<const void*>(samples16.data()) : samples8.data()};
   Exchange exchange;
-  if (module().encode(&raster, Exchange::take_bytes, Exchange::take_problem, &exchange) == 0)
+  if (oiio_module().encode(&raster, Exchange::take_bytes, Exchange::take_problem, &exchange) == 0)
     throw Error(path.string(), "it cannot be encoded: " + exchange.problem, "use .png or .exr");
   write_atomically(path, exchange.bytes);
 }
 
 RasterImage read_raster(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) throw Error(path.string(), "there is no such file", "check the name");
-  if (fs::is_directory(path, ignored)) throw Error(path.string(), "it is a folder", "give the name of a file");
+  check_regular_file(path);
   Exchange exchange;
-  if (module().decode(path.c_str(), Exchange::allocate, Exchange::take_problem, &exchange) == 0)
+  if (oiio_module().decode(path.c_str(), Exchange::allocate, Exchange::take_problem, &exchange) == 0)
     throw Error(path.string(), "it cannot be read: " + exchange.problem, "convert it to .png or .exr");
   return std::move(exchange.picture);
 }

@@ -4,56 +4,61 @@
 #include <set>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/image/regular_file.h"
 #include "render/load/mesh_tools.h"
 #include "render/load/mtl_material.h"
 #include "render/load/number.h"
-#include "render/load/obj_file.h"
+#include "render/load/obj_mesh.h"
+#include "render/load/text_file.h"
 
 namespace twopass {
 namespace {
 
-bool is_there(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::exists(path, ignored);
-}
-
-/// The files that a mtllib line names: one name with spaces in it, or several names. Names that lead nowhere
-/// are kept, to be complained of.
-std::vector<std::filesystem::path> library_paths(std::string line, const std::filesystem::path& folder) {
-  std::ranges::replace(line, '\\', '/');
-  if (is_there(folder / line)) return {folder / line};
+/// The files that a mtllib line names: one name with blanks in it, or several names. What leads nowhere is
+/// noted.
+std::vector<std::filesystem::path> library_paths(const std::string& line, const std::filesystem::path& obj,
+                                                 Notes& notes) {
+  const std::filesystem::path folder = obj.parent_path();
+  if (const auto whole = find_any_case(folder / line)) return {*whole};
   std::vector<std::filesystem::path> paths;
-  for (const std::string_view name : split(line, " \t")) paths.push_back(folder / name);
+  std::vector<std::string> lost;
+  for (const std::string_view name : split(line, " \t"))
+    if (const auto path = find_any_case(folder / name))
+      paths.push_back(*path);
+    else
+      lost.emplace_back(name);
+  if (paths.empty()) lost = {line};
+  for (const std::string& name : lost)
+    notes.add(obj.string() + ": its material library " + in_quotes(name) + " does not exist");
   return paths;
 }
 
 /// The materials that the file uses, from its libraries; the first definition of a name counts.
-MtlLibrary read_libraries(const ObjFile& file, const std::filesystem::path& path, Notes& notes) {
+MtlLibrary read_libraries(const ObjFile& file, const std::filesystem::path& path, TextureFiles& textures,
+                          Notes& notes) {
   MtlLibrary library;
+  std::vector<bool> is_used(file.materials.size(), false);
+  for (const ObjFace& face : file.faces) is_used[face.material] = true;
   std::set<std::string> missing;
-  for (const ObjFace& face : file.faces) missing.insert(file.materials[face.material]);
-  missing.erase("");
+  for (std::size_t i = 1; i < is_used.size(); ++i)  // the first is that of faces without one
+    if (is_used[i]) missing.insert(file.materials[i]);
   std::set<std::filesystem::path> read;
   const auto add = [&](const std::filesystem::path& mtl) {
     if (!read.insert(mtl).second) return;
-    library.merge(read_mtl(mtl, missing, notes));
+    library.merge(read_mtl(mtl, missing, textures, notes));
     std::erase_if(missing, [&](const std::string& name) { return library.contains(name); });
   };
   for (const std::string& line : file.libraries)
-    for (const std::filesystem::path& mtl : library_paths(line, path.parent_path())) {
-      if (is_there(mtl))
-        add(mtl);
-      else
-        notes.add(path.string() + ": its material library " + mtl.string() + " does not exist");
-    }
+    for (const std::filesystem::path& mtl : library_paths(line, path, notes)) add(mtl);
   // Exporters that rename an OBJ forget the mtllib line: the library beside it may have what is missing.
   std::filesystem::path beside = path;
   beside.replace_extension(".mtl");
-  if (!missing.empty() && is_there(beside) && !read.contains(beside)) {
+  if (const auto found = find_any_case(beside); found && !missing.empty() && !read.contains(*found)) {
     const std::size_t before = missing.size();
-    add(beside);
+    add(*found);
     if (missing.size() < before)
-      notes.add(path.string() + ": materials that its libraries lack are taken from " + beside.string());
+      notes.add(path.string() + ": materials that its libraries lack are taken from " + found->string());
   }
   return library;
 }
@@ -61,20 +66,36 @@ MtlLibrary read_libraries(const ObjFile& file, const std::filesystem::path& path
 /// Faces of one group and one material.
 struct Part {
   std::uint32_t group, material;
-  std::vector<std::uint32_t> faces;
+  std::vector<FaceRange> faces;
+  Mesh mesh{};
+  std::size_t dropped = 0, reversed = 0;  ///< triangles without area; that faced away from their normals
 };
 
 /// The parts in the order of their first faces.
 std::vector<Part> split_into_parts(const ObjFile& file) {
   std::vector<Part> parts;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;
-  for (std::uint32_t f = 0; f < file.faces.size(); ++f) {
+  const auto is_of = [&](const ObjFace& face, const Part& part) {
+    return face.group == part.group && face.material == part.material;
+  };
+  for (std::uint32_t f = 0; f < file.faces.size();) {
     const ObjFace& face = file.faces[f];
     const auto [entry, is_new] = known.try_emplace({face.group, face.material}, parts.size());
-    if (is_new) parts.push_back({face.group, face.material, {}});
-    parts[entry->second].faces.push_back(f);
+    if (is_new) parts.push_back({.group = face.group, .material = face.material, .faces = {}});
+    Part& part = parts[entry->second];
+    FaceRange range{f, f + 1};
+    while (range.end < file.faces.size() && is_of(file.faces[range.end], part)) ++range.end;
+    part.faces.push_back(range);
+    f = range.end;
   }
   return parts;
+}
+
+void make_mesh(const ObjFile& file, Part& part) {
+  part.mesh = mesh_of_faces(file, part.faces);
+  part.dropped = drop_degenerate_triangles(part.mesh);
+  part.reversed = orient_by_normals(part.mesh);
+  drop_flat_normals(part.mesh);
 }
 
 std::string name_of_part(const ObjFile& file, const Part& part, std::size_t parts_in_group,
@@ -99,6 +120,7 @@ class MaterialTable {
     const auto found = library_.find(material);
     if (found != library_.end()) {
       shape.radiance[front] = found->second.radiance;
+      shape.radiance_texture = found->second.radiance_texture;
       if (is_new) scene_.materials.push_back(found->second.material);
       return;
     }
@@ -120,26 +142,27 @@ class MaterialTable {
 
 }  // namespace
 
-LoadedScene load_obj_scene(const std::filesystem::path& path) {
+LoadedScene load_obj_scene(const std::filesystem::path& path, const TextureOptions& texture_options) {
   LoadedScene loaded;
   Notes notes;
-  const ObjFile file = read_obj(path, notes);
-  MaterialTable materials(file, read_libraries(file, path, notes), path.string(), loaded.scene, notes);
-  const std::vector<Part> parts = split_into_parts(file);
+  TextureFiles textures(texture_options);
+  ObjFile file = read_obj(path, notes);
+  add_smooth_normals(file);
+  MaterialTable materials(file, read_libraries(file, path, textures, notes), path.string(), loaded.scene,
+                          notes);
+  std::vector<Part> parts = split_into_parts(file);
+  parallel_tasks(parts.size(), [&](std::size_t i) { make_mesh(file, parts[i]); });
+
   std::vector<std::size_t> parts_in_group(file.groups.size(), 0);
   for (const Part& part : parts) ++parts_in_group[part.group];
   std::size_t dropped = 0, reversed = 0;
-  bool flat = false;
-  for (const Part& part : parts) {
-    Mesh mesh = mesh_of_faces(file, part.faces);
-    flat |= mesh.normals.empty();
-    dropped += drop_degenerate_triangles(mesh);
-    if (mesh.triangles.empty()) continue;
-    reversed += orient_by_normals(mesh);
-    drop_flat_normals(mesh);
+  for (Part& part : parts) {
+    dropped += part.dropped;
+    reversed += part.reversed;
+    if (part.mesh.triangles.empty()) continue;
     Shape shape;
     shape.name = name_of_part(file, part, parts_in_group[part.group], path);
-    shape.geometry = std::move(mesh);
+    shape.geometry = std::move(part.mesh);
     materials.assign(part.material, shape);
     loaded.scene.shapes.push_back(std::move(shape));
   }
@@ -150,8 +173,8 @@ LoadedScene load_obj_scene(const std::filesystem::path& path) {
   if (reversed > 0)
     notes.add(path.string() + ": " + std::to_string(reversed) +
               " triangles faced away from their own normals and were turned");
-  if (flat && file.smoothing)
-    notes.add(path.string() + ": smoothing groups are not read: faces without normals are flat");
+  textures.report(notes);
+  loaded.tiled_textures = textures.tiled();
   loaded.notes = notes.lines();
   return loaded;
 }

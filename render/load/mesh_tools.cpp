@@ -49,24 +49,38 @@ void flip(Mesh& mesh) {
 }
 
 std::size_t drop_degenerate_triangles(Mesh& mesh) {
-  const std::size_t before = mesh.triangles.size();
-  std::erase_if(mesh.triangles, [&](const V3u& t) {
+  const auto has_area = [&](const V3u& t) {
     // The float product is what everybody downstream divides by; it may underflow where the exact one does not.
     const V3f &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
     const float length = (b - a).cross(c - a).length();
-    return !(length > 0.0f) || !std::isfinite(length) || !(area_normal(mesh, t).length() > 0.0);
-  });
-  if (mesh.triangles.size() == before) return 0;
+    return length > 0.0f && std::isfinite(length) && area_normal(mesh, t).length() > 0.0;
+  };
+  const std::size_t before = mesh.triangles.size();
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < before; ++i) {
+    if (!has_area(mesh.triangles[i])) continue;
+    for (MeshAttribute& attribute : mesh.attributes)
+      if (attribute.is_of_faces()) attribute.values[left] = attribute.values[i];
+    mesh.triangles[left++] = mesh.triangles[i];
+  }
+  if (left == before) return 0;
+  mesh.triangles.resize(left);
+  for (MeshAttribute& attribute : mesh.attributes)
+    if (attribute.is_of_faces()) attribute.values.resize(left);
 
   constexpr std::uint32_t unused = 0xffffffffu;
   std::vector<std::uint32_t> renamed(mesh.positions.size(), unused);
   Mesh kept;
+  for (const MeshAttribute& attribute : mesh.attributes) kept.attributes.push_back({attribute.name, {}});
   const auto keep = [&](std::uint32_t& index) {
     if (renamed[index] == unused) {
       renamed[index] = static_cast<std::uint32_t>(kept.positions.size());
       kept.positions.push_back(mesh.positions[index]);
       if (!mesh.normals.empty()) kept.normals.push_back(mesh.normals[index]);
       if (!mesh.uvs.empty()) kept.uvs.push_back(mesh.uvs[index]);
+      for (std::size_t a = 0; a < mesh.attributes.size(); ++a)
+        if (!mesh.attributes[a].is_of_faces())
+          kept.attributes[a].values.push_back(mesh.attributes[a].values[index]);
     }
     index = renamed[index];
   };
@@ -75,9 +89,11 @@ std::size_t drop_degenerate_triangles(Mesh& mesh) {
     keep(t.y);
     keep(t.z);
   }
+  for (std::size_t a = 0; a < mesh.attributes.size(); ++a)
+    if (mesh.attributes[a].is_of_faces()) kept.attributes[a] = std::move(mesh.attributes[a]);
   kept.triangles = std::move(mesh.triangles);
   mesh = std::move(kept);
-  return before - mesh.triangles.size();
+  return before - left;
 }
 
 void compute_smooth_normals(Mesh& mesh) {

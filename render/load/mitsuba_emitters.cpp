@@ -2,15 +2,18 @@
 
 #include "render/core/error.h"
 #include "render/image/picture.h"
-#include "render/image/raster_file.h"
 #include "render/load/ies_file.h"
 #include "render/load/mitsuba_properties.h"
-#include "render/load/text_file.h"
 
 namespace twopass {
 namespace {
 
 using Emitter = std::variant<PunctualLight, Environment>;
+
+struct Context {
+  const MitsubaTree& tree;
+  MitsubaTextures& textures;
+};
 
 C3f color_or(Properties& p, std::string_view name, const C3f& otherwise) {
   return p.color(name, ColorUse::emission).value_or(otherwise);
@@ -61,22 +64,7 @@ std::filesystem::path file_of(Properties& p, const MitsubaTree& tree, std::strin
   return find_file(tree, *node, node->get("value"));
 }
 
-/// The bitmap behind a texture's filename, as linear light unless it is raw.
-LightTexture read_bitmap(const XmlNode& node, const MitsubaTree& tree) {
-  constexpr Named<int> supported[] = {{"bitmap", 0}};
-  plugin_of_type<int>(supported, node);
-  Properties p(node, tree);
-  const std::filesystem::path path = file_of(p, tree, "filename");
-  const bool raw = p.boolean("raw", false);
-  p.finish();
-  const bool is_exr = lower_case(path.extension().string()) == ".exr";
-  const Image image = raw && !is_exr ? read_raster(path).image : read_picture(path);
-  if (image.pixel_count() == 0) throw Error(path.string(), "a picture without pixels", "give another one");
-  (void)image.rgb_channels(path.string());
-  return LightTexture(image);
-}
-
-Emitter read_point(Properties& p, const MitsubaTree& tree) {
+Emitter read_point(Properties& p, const Context& context) {
   if (p.has("position") && p.has("to_world"))
     throw Error(p.where("position"), "both 'position' and 'to_world' are given", "give one of them");
   PointLight light;
@@ -84,11 +72,11 @@ Emitter read_point(Properties& p, const MitsubaTree& tree) {
   light.frame = light_frame(invertible_transform(p));
   light.position = p.has("position") ? V3f(p.point("position", V3d(0.0))) : light.frame.position;
   if (p.has("ies_file"))
-    light.profile = std::make_shared<const IesProfile>(read_ies(file_of(p, tree, "ies_file")));
+    light.profile = std::make_shared<const IesProfile>(read_ies(file_of(p, context.tree, "ies_file")));
   return light;
 }
 
-Emitter read_spot(Properties& p, const MitsubaTree& tree) {
+Emitter read_spot(Properties& p, const Context& context) {
   SpotLight light;
   light.intensity = color_or(p, "intensity", C3f(1.0f));
   const double cutoff = number_within(p, "cutoff_angle", 20.0, 1e-6, 89.999, "above 0 and below 90 degrees");
@@ -97,11 +85,11 @@ Emitter read_spot(Properties& p, const MitsubaTree& tree) {
   light.beam_width = static_cast<float>(beam * pi / 180.0);
   light.frame = light_frame(invertible_transform(p));
   if (const XmlNode* texture = p.element("texture", {"texture"}))
-    light.texture = std::make_shared<const LightTexture>(read_bitmap(*texture, tree));
+    light.texture = std::make_shared<const Texture>(context.textures.of(*texture, ColorUse::emission));
   return light;
 }
 
-Emitter read_directional(Properties& p, const MitsubaTree&) {
+Emitter read_directional(Properties& p, const Context&) {
   if (p.has("direction") && p.has("to_world"))
     throw Error(p.where("direction"), "both 'direction' and 'to_world' are given", "give one of them");
   DirectionalLight light;
@@ -129,30 +117,27 @@ float tan_half_fov(Properties& p, double aspect) {
   return static_cast<float>(half);
 }
 
-Emitter read_projector(Properties& p, const MitsubaTree& tree) {
+Emitter read_projector(Properties& p, const Context& context) {
   Projector light;
-  const XmlNode* irradiance = p.element("irradiance", {});
-  light.texture = std::make_shared<const LightTexture>(
-      irradiance && irradiance->tag == "texture" ? read_bitmap(*irradiance, tree)
-                                                 : LightTexture(color_or(p, "irradiance", C3f(1.0f))));
+  light.texture = std::make_shared<const Texture>(
+      context.textures.property(p, "irradiance", ColorUse::emission).value_or(C3f(1.0f)));
   light.scale = scale_of(p, "scale");
-  light.tan_half_fov = tan_half_fov(
-      p, static_cast<double>(light.texture->width()) / static_cast<double>(light.texture->height()));
+  light.tan_half_fov = tan_half_fov(p, static_cast<double>(aspect_of(*light.texture)));
   light.frame = light_frame(invertible_transform(p));
   return light;
 }
 
-Emitter read_constant(Properties& p, const MitsubaTree&) {
+Emitter read_constant(Properties& p, const Context&) {
   p.ignore({"to_world"});  // the same from all directions
   return Environment(color_or(p, "radiance", C3f(1.0f)));
 }
 
-Emitter read_envmap(Properties& p, const MitsubaTree& tree) {
+Emitter read_envmap(Properties& p, const Context& context) {
   EnvironmentMapOptions options;
   options.scale = scale_of(p, "scale");
   options.to_world = rotation(p);
   options.mis_compensation = p.boolean("mis_compensation", false);
-  return read_environment_map(file_of(p, tree, "filename"), options);
+  return read_environment_map(file_of(p, context.tree, "filename"), options);
 }
 
 /// The sun's direction in the frame of the sky, from place and time.
@@ -173,7 +158,7 @@ V3d read_sun_time(Properties& p) {
   return sun_direction(time);
 }
 
-Emitter read_sunsky(Properties& p, const MitsubaTree&) {
+Emitter read_sunsky(Properties& p, const Context&) {
   SunSkyOptions options;
   options.turbidity = number_within(p, "turbidity", 3.0, 1.0, 10.0, "from 1 to 10");
   options.albedo = p.color("albedo", ColorUse::reflectance).value_or(C3f(0.3f));
@@ -197,7 +182,7 @@ Emitter read_sunsky(Properties& p, const MitsubaTree&) {
   return Environment(std::make_shared<const SunSky>(options));
 }
 
-using Reader = Emitter (*)(Properties&, const MitsubaTree&);
+using Reader = Emitter (*)(Properties&, const Context&);
 
 constexpr Named<Reader> readers[] = {
     {"constant", read_constant}, {"directional", read_directional}, {"envmap", read_envmap},
@@ -207,10 +192,10 @@ constexpr Named<Reader> readers[] = {
 
 }  // namespace
 
-Emitter read_mitsuba_emitter(const XmlNode& node, const MitsubaTree& tree) {
+Emitter read_mitsuba_emitter(const XmlNode& node, const MitsubaTree& tree, MitsubaTextures& textures) {
   const Reader reader = plugin_of_type<Reader>(readers, node);
   Properties p(node, tree);
-  Emitter emitter = reader(p, tree);
+  Emitter emitter = reader(p, {tree, textures});
   p.ignore({"sampling_weight"});  // how often a light is chosen does not change what it does
   p.finish();
   return emitter;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <variant>
 
-#include "render/load/mitsuba_expand.h"
+#include "render/load/mitsuba_textures.h"
 #include "render/scene/environment.h"
 #include "render/scene/punctual_light.h"
 
@@ -12,7 +12,8 @@ namespace twopass {
 
 /// Reads `point`, `spot`, `directional`, `projector`, `constant`, `envmap` and `sunsky` with Mitsuba 3's
 /// parameters; `point` also takes `ies_file` (L22). Throws Error with file:line.
-std::variant<PunctualLight, Environment> read_mitsuba_emitter(const XmlNode& node, const MitsubaTree& tree);
+std::variant<PunctualLight, Environment> read_mitsuba_emitter(const XmlNode& node, const MitsubaTree& tree,
+                                                              MitsubaTextures& textures);
 
 /// A picture by latitude and longitude as environment. Throws Error.
 Environment read_environment_map(const std::filesystem::path& path, const EnvironmentMapOptions& options);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "render/core/error.h"
+#include "render/image/regular_file.h"
 #include "render/load/mitsuba_parameters.h"
 #include "render/load/number.h"
 #include "render/load/text_file.h"
@@ -41,10 +43,17 @@ double parse_version(const XmlNode& root) {
   return version;
 }
 
+std::string known_ids(const MitsubaTree& tree) {
+  std::vector<std::string> known;
+  for (const auto& [name, object] : tree.objects) known.push_back(name);
+  return known.empty() ? "none" : list_some(known);
+}
+
 /// Carries the tree out of the files, one element after the other: parameters must be defined before their use.
 class Expander {
  public:
-  Expander(const Definitions& definitions, MitsubaTree& tree) : parameters_(definitions), tree_(tree) {}
+  Expander(const Definitions& definitions, MitsubaTree& tree, LeftOut* left_out)
+      : parameters_(definitions), tree_(tree), left_out_(left_out) {}
 
   void run(const fs::path& path) {
     tree_.folders.push_back(path.parent_path());
@@ -53,11 +62,14 @@ class Expander {
     tree_.version = parse_version(tree_.root);
     splice(std::move(children), tree_.version, tree_.root.children);
     parameters_.check_all_used();
+    if (!dropped_ids_.empty()) drop_references(tree_.root);
     for (const XmlNode& child : tree_.root.children) collect_ids(child);
     for (const XmlNode& alias : aliases_) {
+      if (dropped_ids_.contains(alias.get("id"))) continue;
       const auto target = tree_.objects.find(alias.get("id"));
       if (target == tree_.objects.end())
-        throw Error(alias.where(), "there is no object '" + alias.get("id") + "'", "give the id of an object");
+        throw Error(alias.where(), "there is no object '" + alias.get("id") + "'",
+                    "known ids: " + known_ids(tree_));
       add_id(alias.get("as"), *target->second, alias);
     }
   }
@@ -84,8 +96,41 @@ class Expander {
       if (node.tag == "include")
         include(node, version, to);
       else if (!directive(node))
-        to.push_back(expand(std::move(node), version));
+        add(expand(std::move(node), version), to);
     }
+  }
+
+  /// Adds an object or property, or what stands for it where it is left out.
+  void add(XmlNode node, std::vector<XmlNode>& to) {
+    if (left_out_ && left_out_->has_object(node)) {
+      left_out_->count(node);
+      if (node.tag == "bsdf" || node.tag == "texture") {
+        for (auto& [name, value] : node.attributes)
+          if (name == "type") value = node.tag == "bsdf" ? "diffuse" : "checkerboard";
+        node.children.clear();
+        if (node.tag == "texture")
+          for (const char* color : {"color0", "color1"})
+            node.children.push_back({"rgb", {{"name", color}, {"value", "0.5"}}, {}, node.file, node.line});
+      } else {
+        if (const std::string* id = node.find("id")) dropped_ids_.insert(*id);
+        return;
+      }
+    }
+    if (left_out_)
+      std::erase_if(node.children, [&](const XmlNode& child) {
+        if (!left_out_->has_property(node, child)) return false;
+        left_out_->count(node, &child);
+        return true;
+      });
+    to.push_back(std::move(node));
+  }
+
+  void drop_references(XmlNode& node) {
+    std::erase_if(node.children, [&](const XmlNode& child) {
+      const std::string* id = child.find("id");
+      return child.tag == "ref" && id && dropped_ids_.contains(*id);
+    });
+    for (XmlNode& child : node.children) drop_references(child);
   }
 
   void include(XmlNode& node, double version, std::vector<XmlNode>& to) {
@@ -177,23 +222,23 @@ class Expander {
   std::vector<fs::path> open_files_;
   int files_ = 0;
   std::vector<XmlNode> aliases_;
+  LeftOut* left_out_;
+  std::set<std::string> dropped_ids_;
 };
 
 }  // namespace
 
-MitsubaTree read_mitsuba(const fs::path& path, const Definitions& definitions) {
+MitsubaTree read_mitsuba(const fs::path& path, const Definitions& definitions, LeftOut* left_out) {
   MitsubaTree tree;
-  Expander(definitions, tree).run(path);
+  Expander(definitions, tree, left_out).run(path);
   return tree;
 }
 
 const XmlNode& resolve(const MitsubaTree& tree, const XmlNode& reference) {
   const std::string& id = reference.get("id");
   if (const auto found = tree.objects.find(id); found != tree.objects.end()) return *found->second;
-  std::vector<std::string> known;
-  for (const auto& [name, object] : tree.objects) known.push_back(name);
   throw Error(reference.where(), "there is no object with the id '" + id + "'",
-              "known ids: " + list_some(known));
+              "known ids: " + known_ids(tree));
 }
 
 fs::path find_file(const MitsubaTree& tree, const XmlNode& node, const std::string& name) {
@@ -203,10 +248,19 @@ fs::path find_file(const MitsubaTree& tree, const XmlNode& node, const std::stri
   for (const fs::path& folder : folders) {
     const fs::path candidate = folder / name;  // an absolute name stays itself
     std::error_code ignored;
-    if (fs::exists(candidate, ignored)) return candidate;
+    if (fs::exists(candidate, ignored)) {
+      check_regular_file(candidate, node.where());
+      return candidate;
+    }
     if (std::ranges::find(searched, candidate.string()) == searched.end())
       searched.push_back(candidate.string());
   }
+  // Written on a system that takes "Wood.PNG" for "wood.png", or "meshes\\a.obj" for "meshes/a.obj".
+  for (const std::string& candidate : searched)
+    if (const std::optional<fs::path> found = find_any_case(candidate)) {
+      check_regular_file(*found, node.where());
+      return *found;
+    }
   throw Error(node.where(), "there is no file '" + name + "'", "searched: " + list_some(searched));
 }
 

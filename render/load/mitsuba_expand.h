@@ -9,6 +9,7 @@
 
 #include "render/load/load.h"
 #include "render/load/mitsuba_document.h"
+#include "render/load/unsupported.h"
 
 namespace twopass {
 
@@ -26,13 +27,18 @@ struct MitsubaTree {
 /// Reads a file and what it includes. Throws Error with file:line for a missing or unsupported version, unknown
 /// or unused parameters, includes that do not exist, contain themselves or are nested more than 15 deep, and
 /// ids given twice.
-MitsubaTree read_mitsuba(const std::filesystem::path& path, const Definitions& definitions);
+///
+/// What `left_out` holds is counted there and left out of the tree, with all references to it; bsdfs and
+/// textures are replaced by grey ones, because something needs them.
+MitsubaTree read_mitsuba(const std::filesystem::path& path, const Definitions& definitions,
+                         LeftOut* left_out = nullptr);
 
 /// The object that a <ref> means. Throws Error listing known ids when there is none.
 const XmlNode& resolve(const MitsubaTree& tree, const XmlNode& reference);
 
 /// The file that an attribute or property of `node` names: relative to the file it stands in, to the main file
-/// or to a <path>. Throws Error listing the places searched.
+/// or to a <path>, exactly first, then as find_any_case does. Throws Error listing the places searched, or
+/// saying what is there instead of a regular file.
 std::filesystem::path find_file(const MitsubaTree& tree, const XmlNode& node, const std::string& name);
 
 /// Whether the element is an object (it has a plugin type) rather than a plain property.

@@ -4,6 +4,11 @@
 #include "render/load/text_file.h"
 
 namespace twopass {
+namespace {
+
+constexpr std::size_t longest_value = 1'000'000;
+
+}  // namespace
 
 void Parameters::set_default(const std::string& name, const std::string& value) {
   seen_.insert(name);
@@ -20,6 +25,10 @@ std::string Parameters::replace(const std::string& text, const XmlNode& node) {
     const Found found = parameter_at(std::string_view(text).substr(dollar + 1), node);
     seen_.insert(found.name);
     result += found.value;
+    // Parameters in the values of parameters: each may double what it is made of.
+    if (result.size() > longest_value)
+      throw Error(node.where(), "a value has more than a million characters after its parameters are put in",
+                  "use fewer parameters");
     done = dollar + 1 + found.name.size();
   }
 }

@@ -141,7 +141,8 @@ std::optional<C3f> Properties::color(std::string_view name, ColorUse use) {
   const XmlNode* node = element(name, {});
   if (!node) return std::nullopt;
   if (node->tag == "texture")
-    throw Error(where(name), "texture '" + node->get("type") + "' is not supported", "give a colour: <rgb>");
+    throw Unsupported({object_.tag, type(), std::string(name)}, where(name),
+                      "texture '" + node->get("type") + "' is not supported", "give a colour: <rgb>");
   if (node->tag == "spectrum" && is_object(*node)) return color_of_spectrum_object(*node, tree_, use);
   return parse_color(*node, use);
 }
@@ -178,20 +179,25 @@ void Properties::finish() const {
   const std::string self = object_.tag + " '" + type() + "'";
   for (const Entry& entry : entries_) {
     if (entry.read) continue;
-    if (is_object(*entry.target) && entry.name.empty())
-      throw Error(entry.node->where(), "a <" + entry.target->tag + "> inside " + self + " is not supported",
-                  "it takes: " + (asked_tags_.empty() ? "nothing" : join(asked_tags_)));
-    throw Error(entry.node->where(), self + " has no property '" + entry.name + "'",
-                "its properties: " + (asked_.empty() ? "none" : join(asked_)));
+    const XmlNode& target = *entry.target;
+    const std::string where = entry.node->where();
+    // Media have names, but what is wrong is not the name.
+    const std::string* kind = target.find("type");
+    const std::string_view advice = advice_on(target.tag, "");
+    if (is_object(target) && !advice.empty())
+      throw Unsupported(
+          {target.tag, kind ? *kind : "", ""}, where,
+          "a <" + target.tag + "> inside " + self + " is not supported",
+          it_takes().append("; ").append(advice).append("; --ignore-unsupported renders what is left"));
+    if (is_object(target) && entry.name.empty())
+      throw Error(where, "a <" + target.tag + "> inside " + self + " is not supported", it_takes());
+    throw Unsupported({object_.tag, type(), entry.name}, where, self + " has no property '" + entry.name + "'",
+                      "its properties: " + (asked_.empty() ? "none" : join(asked_)));
   }
 }
 
-void unsupported_plugin(const XmlNode& object, std::span<const std::string_view> supported) {
-  const std::string& type = object.get("type");
-  std::string remedy =
-      "supported " + object.tag + (object.tag.ends_with('s') ? "es: " : "s: ") + join_names(supported);
-  if (type == "ldrfilm") remedy = "it was renamed: use hdrfilm, and -o FILE.png for a display-referred picture";
-  throw Error(object.where(), object.tag + " '" + type + "' is not supported", remedy);
+std::string Properties::it_takes() const {
+  return "it takes: " + (asked_tags_.empty() ? "nothing" : join(asked_tags_));
 }
 
 }  // namespace twopass

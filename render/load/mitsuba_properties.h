@@ -12,6 +12,7 @@
 #include "render/core/types.h"
 #include "render/load/mitsuba_expand.h"
 #include "render/load/mitsuba_values.h"
+#include "render/load/unsupported.h"
 
 namespace twopass {
 
@@ -61,15 +62,14 @@ class Properties {
     bool read;
   };
   Entry* find(std::string_view name);
+  /// "it takes: bsdf", for errors.
+  [[nodiscard]] std::string it_takes() const;
 
   const XmlNode& object_;
   const MitsubaTree& tree_;
   std::vector<Entry> entries_;
   std::vector<std::string> asked_, asked_tags_;
 };
-
-/// Throws the error for a plugin that we lack: "shape 'disk' is not supported; supported shapes: ...".
-[[noreturn]] void unsupported_plugin(const XmlNode& object, std::span<const std::string_view> supported);
 
 /// The entry of `table` for the object's type. Throws unsupported_plugin.
 template <class T>

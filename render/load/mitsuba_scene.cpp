@@ -1,13 +1,16 @@
 #include "render/load/mitsuba_scene.h"
 
 #include "render/core/error.h"
+#include "render/load/mesh_colors.h"
 #include "render/load/mitsuba_bsdfs.h"
-#include "render/load/mitsuba_clip.h"
 #include "render/load/mitsuba_emitters.h"
 #include "render/load/mitsuba_expand.h"
+#include "render/load/mitsuba_instances.h"
 #include "render/load/mitsuba_properties.h"
+#include "render/load/mitsuba_references.h"
 #include "render/load/mitsuba_sensor.h"
 #include "render/load/mitsuba_shapes.h"
+#include "render/load/shape_group.h"
 
 namespace twopass {
 namespace {
@@ -15,16 +18,19 @@ namespace {
 /// Reads the children of <scene> into a LoadedScene, in the order of the file.
 class SceneReader {
  public:
-  explicit SceneReader(const MitsubaTree& tree)
-      : tree_(tree), textures_(tree, notes_), materials_(tree, loaded_.scene.materials, textures_) {}
+  SceneReader(const MitsubaTree& tree, const TextureOptions& textures)
+      : tree_(tree),
+        texture_files_(textures),
+        textures_(tree, texture_files_),
+        materials_(tree, loaded_.scene.materials, textures_) {}
 
   LoadedScene run() {
     // All settings and materials before the first shape: meshes take long to read, errors should not.
     for (const XmlNode& node : tree_.root.children)
       if (node.tag != "shape") read(node);
-    for (const XmlNode& node : tree_.root.children)
-      if (node.tag == "shape") read_shape(node);
-    if (loaded_.scene.camera) note_clipping(loaded_.scene, clip_, notes_);
+    read_shapes();
+    texture_files_.report(notes_);
+    loaded_.tiled_textures = texture_files_.tiled();
     loaded_.notes = notes_.lines();
     return std::move(loaded_);
   }
@@ -47,8 +53,16 @@ class SceneReader {
     else if (node.tag != "spectrum" && node.tag != "film" && node.tag != "sampler" && node.tag != "rfilter" &&
              node.tag != "texture")
       // Those five are read where something refers to them.
-      throw Error(node.where(), "<" + node.tag + "> is not supported",
-                  "a scene holds: bsdf, emitter, integrator, sensor, shape");
+      refuse(node);
+  }
+
+  [[noreturn]] static void refuse(const XmlNode& node) {
+    const std::string* type = node.find("type");
+    std::string remedy = "a scene holds: bsdf, emitter, integrator, sensor, shape";
+    if (const std::string_view advice = advice_on(node.tag, type ? *type : ""); !advice.empty())
+      remedy.append("; ").append(advice).append("; --ignore-unsupported renders what is left");
+    throw Unsupported({node.tag, type ? *type : "", ""}, node.where(), "<" + node.tag + "> is not supported",
+                      remedy);
   }
 
   void read_sensor(const XmlNode& node) {
@@ -56,7 +70,7 @@ class SceneReader {
       notes_.add(node.where() + ": the scene has several sensors; the first one is used");
       return;
     }
-    loaded_.scene.camera = read_mitsuba_sensor(node, tree_, loaded_.settings, clip_, notes_);
+    loaded_.scene.camera = read_mitsuba_sensor(node, tree_, loaded_.settings, notes_);
   }
 
   void read_integrator(const XmlNode& node) {
@@ -69,7 +83,7 @@ class SceneReader {
   void read_emitter(const XmlNode& node) {
     if (node.get("type") == "area")
       throw Error(node.where(), "emitter 'area' outside of a shape", "move it into the shape that emits");
-    auto emitter = read_mitsuba_emitter(node, tree_);
+    auto emitter = read_mitsuba_emitter(node, tree_, textures_);
     if (auto* light = std::get_if<PunctualLight>(&emitter)) {
       loaded_.scene.punctual_lights.push_back(std::move(*light));
       return;
@@ -83,29 +97,97 @@ class SceneReader {
     loaded_.scene.environment = std::get<Environment>(std::move(emitter));
   }
 
-  void read_shape(const XmlNode& node) {
-    const std::string name = node.get("type") + "-" + std::to_string(++shape_count_);
-    Shape shape = read_mitsuba_shape(node, tree_, name, materials_, textures_, notes_);
-    const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
-    if (!mesh || !mesh->triangles.empty()) loaded_.scene.shapes.push_back(std::move(shape));
+  void read_shapes() {
+    // All that are read from elements, those of groups too, at once: meshes are read in parallel.
+    NamedShapes elements;
+    std::map<const XmlNode*, std::pair<std::size_t, std::size_t>> members;  // of groups: a range of elements
+    const auto add = [&](const XmlNode& node) {
+      elements.emplace_back(&node, node.get("type") + "-" + std::to_string(elements.size() + 1));
+    };
+    for (const XmlNode& node : tree_.root.children) {
+      if (node.tag != "shape") continue;
+      if (node.get("type") == "instance") {
+        instances_.push_back(read_mitsuba_instance(node, tree_));
+        continue;
+      }
+      const std::size_t first = elements.size();
+      if (node.get("type") != "shapegroup") {
+        add(node);
+        continue;
+      }
+      for (const XmlNode* member : shapes_of_group(node, tree_)) add(*member);
+      members[&node] = {first, elements.size()};
+    }
+    std::vector<Shape> shapes = read_mitsuba_shapes(elements, tree_, materials_, textures_, notes_);
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      bind_mesh_colors(shapes[i], loaded_.scene.materials, elements[i].first->where());
+    place_shapes(std::move(shapes), members);
+  }
+
+  /// Shapes and instances in the order of the file.
+  void place_shapes(std::vector<Shape> read,
+                    const std::map<const XmlNode*, std::pair<std::size_t, std::size_t>>& members) {
+    const auto is_seen = [](const Shape& shape) {
+      const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+      return !mesh || !mesh->triangles.empty();
+    };
+    std::map<const XmlNode*, ShapeGroup> groups;
+    for (const auto& [node, range] : members) {
+      std::vector<Shape> shapes;
+      for (std::size_t i = range.first; i < range.second; ++i)
+        if (is_seen(read[i])) shapes.push_back(std::move(read[i]));
+      groups.emplace(node, ShapeGroup(std::move(shapes)));
+    }
+    std::vector<Shape>& shapes = loaded_.scene.shapes;
+    std::size_t next = 0, instances = 0;
+    for (const XmlNode& node : tree_.root.children) {
+      if (node.tag != "shape") continue;
+      if (const auto group = members.find(&node); group != members.end()) {
+        next = group->second.second;
+      } else if (node.get("type") == "instance") {
+        const MitsubaInstance& instance = instances_[instances++];
+        const std::string* id = node.find("id");
+        const std::string name = id ? *id : "instance-" + std::to_string(instances);
+        for (Shape& shape : groups.at(instance.group).place(instance.to_world, name, instance.where, notes_))
+          shapes.push_back(std::move(shape));
+      } else {
+        if (is_seen(read[next])) shapes.push_back(std::move(read[next]));
+        ++next;
+      }
+    }
   }
 
   const MitsubaTree& tree_;
   LoadedScene loaded_;
   Notes notes_;
+  TextureFiles texture_files_;
   MitsubaTextures textures_;
   MitsubaMaterials materials_;
-  ClipPlanes clip_;
   const XmlNode* integrator_ = nullptr;
   const XmlNode* environment_ = nullptr;
-  int shape_count_ = 0;
+  std::vector<MitsubaInstance> instances_;  // in the order of the file
 };
 
 }  // namespace
 
-LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions) {
-  const MitsubaTree tree = read_mitsuba(path, definitions);
-  return SceneReader(tree).run();
+LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
+                               const TextureOptions& textures, bool ignore_unsupported) {
+  // Whatever proves to be unsupported is left out of the next attempt. There are few kinds of features, and
+  // nearly all are met before the first mesh is read.
+  LeftOut left_out;
+  for (;;) {
+    try {
+      left_out.restart();
+      const MitsubaTree tree = read_mitsuba(path, definitions, &left_out);
+      check_references(tree);
+      LoadedScene loaded = SceneReader(tree, textures).run();
+      loaded.left_out = left_out.list();
+      return loaded;
+    } catch (const Unsupported& error) {
+      if (!ignore_unsupported) throw;
+      left_out.add(error);
+    }
+  }
 }
 
 }  // namespace twopass

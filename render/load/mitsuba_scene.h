@@ -7,9 +7,10 @@
 
 namespace twopass {
 
-/// Loads a file: shapes obj, rectangle, cube, sphere; bsdfs diffuse, twosided, conductor, dielectric; emitters
-/// area and constant; a perspective sensor; filters box, tent, gaussian. Throws Error with file:line, listing
-/// what is supported, for every other plugin and for every property that a plugin does not know.
-LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions);
+/// Loads a file. Throws Unsupported with file:line, listing what is supported, for every plugin that we lack
+/// and for every property that a plugin does not know; with `ignore_unsupported` those are left out: objects
+/// with all that refers to them, bsdfs and textures are replaced by grey ones.
+LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
+                               const TextureOptions& textures = {}, bool ignore_unsupported = false);
 
 }  // namespace twopass

@@ -1,6 +1,7 @@
 #include "render/load/mitsuba_sensor.h"
 
 #include <array>
+#include <cstdio>
 
 #include "render/core/error.h"
 #include "render/load/mitsuba_properties.h"
@@ -17,21 +18,47 @@ void require_one_of(const std::array<std::string_view, N>& known, const XmlNode&
 }
 
 Filter read_filter(const XmlNode& node, const MitsubaTree& tree) {
-  constexpr Named<FilterKind> kinds[] = {
-      {"box", FilterKind::box}, {"tent", FilterKind::tent}, {"gaussian", FilterKind::gaussian}};
-  const FilterKind kind = plugin_of_type<FilterKind>(kinds, node);
+  const FilterKind kind = plugin_of_type<FilterKind>(filter_names(), node);
   Properties p(node, tree);
-  const auto length = [&](std::string_view name, double otherwise) {
+  const auto number = [&](std::string_view name, double otherwise, double least, double most) {
     const double value = p.number(name).value_or(otherwise);
-    if (!(value > 0.0) || value > 100.0)
-      throw Error(p.where(name), "'" + std::string(name) + "' must be above 0 and at most 100 pixels",
-                  "correct it");
+    if (!(value >= least && value <= most)) {
+      char text[80];
+      std::snprintf(text, sizeof text, "' must be from %g to %g", least, most);
+      throw Error(p.where(name), "'" + std::string(name) + text, "correct it");
+    }
     return static_cast<float>(value);
   };
+  const auto length = [&](std::string_view name, double otherwise) {
+    return number(name, otherwise, 1e-3, 100.0);  // pixels
+  };
   Filter filter;
-  if (kind == FilterKind::box) filter = box_filter(length("radius", 0.5));
-  if (kind == FilterKind::tent) filter = tent_filter(length("radius", 1.0));
-  if (kind == FilterKind::gaussian) filter = gaussian_filter(length("stddev", 0.5));
+  switch (kind) {
+    case FilterKind::box:
+      filter = box_filter(length("radius", 0.5));
+      break;
+    case FilterKind::tent:
+      filter = tent_filter(length("radius", 1.0));
+      break;
+    case FilterKind::gaussian:
+      filter = gaussian_filter(length("stddev", 0.5));
+      break;
+    case FilterKind::mitchell: {
+      // Versions below 2 write b and c; upgrading makes all names lower case.
+      const std::string_view b = p.has("b") ? "b" : "B", c = p.has("c") ? "c" : "C";
+      filter = mitchell_filter(number(b, 1.0 / 3.0, -10.0, 10.0), number(c, 1.0 / 3.0, -10.0, 10.0));
+      break;
+    }
+    case FilterKind::catmullrom:
+      filter = catmullrom_filter();
+      break;
+    case FilterKind::lanczos: {
+      const int lobes = p.integer("lobes").value_or(3);
+      if (lobes < 1 || lobes > 16) throw Error(p.where("lobes"), "'lobes' must be from 1 to 16", "correct it");
+      filter = lanczos_filter(lobes);
+      break;
+    }
+  }
   p.finish();
   return filter;
 }
@@ -51,23 +78,47 @@ void accept_text(Properties& p, std::string_view name, std::initializer_list<std
               "supported: " + join_names({values.begin(), values.size()}));
 }
 
+std::optional<PixelWindow> read_crop(Properties& p, int width, int height) {
+  PixelWindow crop;
+  crop.corner = {p.integer("crop_offset_x").value_or(0), p.integer("crop_offset_y").value_or(0)};
+  crop.size = {p.integer("crop_width").value_or(width), p.integer("crop_height").value_or(height)};
+  const auto check = [&](const char* offset_name, const char* size_name, int offset, int size, int whole) {
+    if (offset < 0 || offset >= whole)
+      throw Error(p.where(offset_name), "the crop window begins outside of the picture",
+                  "give an offset from 0 to " + std::to_string(whole - 1));
+    if (size < 1 || size > whole - offset)
+      throw Error(p.where(p.has(size_name) ? size_name : offset_name),
+                  "the crop window reaches beyond the picture",
+                  "give a " + std::string(size_name) + " from 1 to " + std::to_string(whole - offset));
+  };
+  check("crop_offset_x", "crop_width", crop.corner.x, crop.size.x, width);
+  check("crop_offset_y", "crop_height", crop.corner.y, crop.size.y, height);
+  if (crop.size == V2i(width, height)) return std::nullopt;
+  return crop;
+}
+
 void read_film(const XmlNode& node, const MitsubaTree& tree, FileSettings& settings, Notes& notes) {
   require_one_of(std::array<std::string_view, 1>{"hdrfilm"}, node);
   Properties p(node, tree);
   settings.width = read_extent(p, "width", settings.width);
   settings.height = read_extent(p, "height", settings.height);
-  const bool is_cropped = p.integer("crop_offset_x").value_or(0) != 0 ||
-                          p.integer("crop_offset_y").value_or(0) != 0 ||
-                          p.integer("crop_width").value_or(settings.width) != settings.width ||
-                          p.integer("crop_height").value_or(settings.height) != settings.height;
-  if (is_cropped) throw Error(p.where(), "a cropped film is not supported", "remove the crop_ properties");
-  accept_text(p, "file_format", {"openexr", "exr"});
-  accept_text(p, "component_format", {"float16", "float32"});
-  if (const auto format = p.text("component_format")) settings.half = *format == "float16";
+  settings.crop = read_crop(p, settings.width, settings.height);
+  // Wishes about the file: its format is what -o says, and its channels are ours.
+  accept_text(p, "file_format", {"openexr", "exr", "rgbe", "pfm"});
+  accept_text(p, "component_format", {"float16", "float32", "uint32"});
   accept_text(p, "pixel_format", {"rgb", "rgba", "luminance", "luminance_alpha", "xyz", "xyza"});
-  if (const auto format = p.text("pixel_format"); format && *format != "rgb" && *format != "rgba")
-    notes.add(p.where("pixel_format") + ": pixel_format '" + *format + "': the picture is written as RGB");
-  // What remains concerns borders that our filtering does not need, and the old program's files.
+  if (const auto format = p.text("component_format")) settings.half = *format == "float16";
+  const auto note = [&](std::string_view name, std::initializer_list<std::string_view> honoured,
+                        const char* what) {
+    const std::optional<std::string> wish = p.text(name);
+    if (wish && std::ranges::find(honoured, *wish) == honoured.end())
+      notes.add(p.where(name) + ": " + std::string(name) + " '" + *wish + "': " + what);
+  };
+  note("file_format", {"openexr", "exr"}, "the format is what -o names");
+  note("component_format", {"float16", "float32"}, "the picture is written as float32");
+  note("pixel_format", {"rgb", "rgba"}, "the picture is written as RGB and alpha");
+  // Our pixels always have samples from beyond the border, which is what sample_border asks for; the rest is of
+  // other variants of the program and of the old one.
   p.ignore({"sample_border", "compensate", "banner", "attach_log", "high_quality_edges", "gamma"});
   if (const XmlNode* filter = p.object_of("rfilter")) settings.filter = read_filter(*filter, tree);
   p.finish();
@@ -131,23 +182,65 @@ void check_rigid(const M44d& m, const std::string& where) {
     throw Error(where, "the camera's transform is sheared", "use rotations and translations");
 }
 
+/// Orthographic cameras may be scaled along their axes.
+void check_not_sheared(const M44d& m, const std::string& where) {
+  V3d rows[3];
+  for (int i = 0; i < 3; ++i) {
+    rows[i] = V3d(m[i][0], m[i][1], m[i][2]);
+    if (!(rows[i].length() > 0.0))
+      throw Error(where, "the camera's transform is singular", "scale by numbers above 0");
+    rows[i].normalize();
+  }
+  for (int i = 0; i < 3; ++i)
+    if (!(std::abs(rows[i].dot(rows[(i + 1) % 3])) <= 1e-3))
+      throw Error(where, "the camera's transform is sheared", "use rotations, translations and scales");
+}
+
+void read_clipping(Properties& p, CameraDescription& camera) {
+  camera.near_clip = p.number("near_clip").value_or(1e-2);
+  camera.far_clip = p.number("far_clip").value_or(1e4);
+  if (!(camera.near_clip >= 0.0))
+    throw Error(p.where("near_clip"), "'near_clip' must not be negative", "correct it");
+  if (!(camera.far_clip > camera.near_clip))
+    throw Error(p.where(p.has("far_clip") ? "far_clip" : "near_clip"),
+                "'far_clip' must be larger than 'near_clip'", "correct one of them");
+}
+
+void read_lens(Properties& p, CameraDescription& camera) {
+  const std::optional<double> radius = p.number("aperture_radius");
+  if (!radius)
+    throw Error(p.where(), "sensor 'thinlens' has no aperture_radius",
+                "add it: <float name=\"aperture_radius\" .../>");
+  if (!(*radius >= 0.0))
+    throw Error(p.where("aperture_radius"), "'aperture_radius' must not be negative", "correct it");
+  camera.aperture_radius = *radius;
+  camera.focus_distance = p.number("focus_distance").value_or(camera.far_clip);
+  if (!(camera.focus_distance > 0.0))
+    throw Error(p.where("focus_distance"), "'focus_distance' must be above 0", "correct it");
+}
+
 }  // namespace
 
 CameraDescription read_mitsuba_sensor(const XmlNode& node, const MitsubaTree& tree, FileSettings& settings,
-                                      ClipPlanes& clip, Notes& notes) {
-  require_one_of(std::array<std::string_view, 1>{"perspective"}, node);
+                                      Notes& notes) {
+  require_one_of(std::array<std::string_view, 3>{"perspective", "thinlens", "orthographic"}, node);
   Properties p(node, tree);
   CameraDescription camera;
   camera.to_world = p.transform("to_world");
-  check_rigid(camera.to_world, p.where("to_world"));
-  read_field_of_view(p, camera);
-  for (const std::string_view name : {"principal_point_offset_x", "principal_point_offset_y"})
-    if (p.number(name).value_or(0.0) != 0.0)
-      throw Error(p.where(name), "'" + std::string(name) + "' other than 0 is not supported", "set it to 0");
-  clip.near = p.number("near_clip").value_or(0.0);
-  clip.far = p.number("far_clip").value_or(infinity_f);
-  clip.where = p.where(p.has("far_clip") ? "far_clip" : "near_clip");
-  // A pinhole is sharp at all distances, and nothing moves.
+  read_clipping(p, camera);
+  if (p.type() == "orthographic") {
+    camera.projection = Projection::orthographic;
+    check_not_sheared(camera.to_world, p.where("to_world"));
+  } else {
+    check_rigid(camera.to_world, p.where("to_world"));
+    read_field_of_view(p, camera);
+  }
+  if (p.type() == "thinlens") read_lens(p, camera);
+  if (p.type() == "perspective") {
+    camera.principal_point_offset = {p.number("principal_point_offset_x").value_or(0.0),
+                                     p.number("principal_point_offset_y").value_or(0.0)};
+  }
+  // Without a lens everything is sharp, and nothing moves.
   p.ignore({"focus_distance", "shutter_open", "shutter_close"});
   if (const XmlNode* film = p.object_of("film")) read_film(*film, tree, settings, notes);
   if (const XmlNode* sampler = p.object_of("sampler")) read_sampler(*sampler, tree, settings, notes);
@@ -155,19 +248,43 @@ CameraDescription read_mitsuba_sensor(const XmlNode& node, const MitsubaTree& tr
   return camera;
 }
 
-void read_mitsuba_integrator(const XmlNode& node, const MitsubaTree& tree, FileSettings& settings,
+namespace {
+
+/// The integrator inside of those that only add outputs to it; nullptr where there is none.
+const XmlNode* unwrap(const XmlNode& node, const MitsubaTree& tree, Notes& notes) {
+  constexpr std::string_view wrappers[] = {"aov", "merge", "moment"};
+  const XmlNode* inner = &node;
+  while (std::ranges::find(wrappers, inner->get("type")) != std::end(wrappers)) {
+    Properties p(*inner, tree);
+    const std::vector<const XmlNode*> nested = p.objects("integrator");
+    const std::string what = inner->where() + ": integrator '" + p.type() + "': ";
+    if (const auto aovs = p.text("aovs")) notes.add(what + "its outputs '" + *aovs + "' are not written");
+    if (nested.size() > 1) notes.add(what + "of the integrators in it the first is used");
+    p.ignore_rest();
+    if (nested.empty()) {
+      notes.add(what + "there is none in it: rendering with the default");
+      return nullptr;
+    }
+    inner = nested.front();
+  }
+  return inner;
+}
+
+}  // namespace
+
+void read_mitsuba_integrator(const XmlNode& outer, const MitsubaTree& tree, FileSettings& settings,
                              Notes& notes) {
   constexpr std::array<std::string_view, 5> ours = {"twopass", "unbiased", "path", "radiosity", "direct"};
-  Properties p(node, tree);
+  const XmlNode* node = unwrap(outer, tree, notes);
+  if (!node) return;
+  Properties p(*node, tree);
   const std::string& type = p.type();
   const bool is_ours = std::ranges::find(ours, type) != ours.end();
-  const bool is_volumetric = type == "volpath" || type == "volpathmis";
   if (is_ours)
     settings.integrator = type;
-  else if (is_volumetric)
-    settings.integrator = "path";  // media are refused, and without media these are path tracers
   else
-    notes.add(node.where() + ": integrator '" + type + "' is unknown: rendering with the default");
+    notes.add(node->where() + ": integrator '" + type +
+              "' is not known here: rendering with the default (--integrator chooses another)");
 
   settings.max_depth = p.integer("max_depth").value_or(settings.max_depth);
   if (settings.max_depth < -1)
@@ -175,10 +292,10 @@ void read_mitsuba_integrator(const XmlNode& node, const MitsubaTree& tree, FileS
   settings.rr_depth = p.integer("rr_depth").value_or(settings.rr_depth);
   if (settings.rr_depth < 1) throw Error(p.where("rr_depth"), "'rr_depth' must be at least 1", "correct it");
   settings.hide_emitters = p.boolean("hide_emitters", settings.hide_emitters);
-  p.ignore({"block_size", "samples_per_pass", "timeout", "strict_normals", "use_spectral_mis",
-            "shading_samples", "emitter_samples", "bsdf_samples"});
+  p.ignore({"block_size", "samples_per_pass", "timeout", "strict_normals", "shading_samples", "emitter_samples",
+            "bsdf_samples"});
   // Somebody else's integrator has properties that we cannot know.
-  if (!is_ours && !is_volumetric) p.ignore_rest();
+  if (!is_ours) p.ignore_rest();
   p.finish();
 }
 

@@ -2,18 +2,18 @@
 #pragma once
 
 #include "render/load/load.h"
-#include "render/load/mitsuba_clip.h"
 #include "render/load/mitsuba_expand.h"
 #include "render/load/notes.h"
 
 namespace twopass {
 
-/// Reads a perspective sensor with what is nested in it. Throws Error with file:line for what is not supported.
+/// Reads a sensor (perspective, thinlens, orthographic) with what is nested in it. Throws Error with file:line
+/// for what is not supported.
 CameraDescription read_mitsuba_sensor(const XmlNode& node, const MitsubaTree& tree, FileSettings& settings,
-                                      ClipPlanes& clip, Notes& notes);
+                                      Notes& notes);
 
-/// Reads an integrator's name and depths. A name that we do not know leaves settings.integrator unset, with a
-/// note.
+/// Reads an integrator's name and depths, those of the nested one where the plugin only adds outputs (aov,
+/// moment, merge). A name that is not ours leaves settings.integrator unset, with a note.
 void read_mitsuba_integrator(const XmlNode& node, const MitsubaTree& tree, FileSettings& settings,
                              Notes& notes);
 

@@ -1,16 +1,39 @@
 #include "render/load/mitsuba_shapes.h"
 
-#include <numeric>
+#include <functional>
+#include <map>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 #include "render/load/mesh_tools.h"
+#include "render/load/mitsuba_analytic.h"
 #include "render/load/mitsuba_properties.h"
-#include "render/load/obj_file.h"
+#include "render/load/obj_mesh.h"
+#include "render/load/ply_file.h"
+#include "render/load/serialized_file.h"
+#include "render/load/shape_group.h"
 
 namespace twopass {
 namespace {
 
-using Geometry = std::variant<Mesh, Sphere>;
+/// What a file holds.
+using MeshFromFile = SerializedMesh;
+
+/// A mesh as its file has it, kept for the shapes that follow with the same file and the same options.
+class ParsedMesh {
+ public:
+  explicit ParsedMesh(std::size_t uses) : uses_(uses) {}
+  /// The mesh, read at the first call. REQUIRES: at most as many calls as there are uses, `read` always the
+  /// same.
+  MeshFromFile get(const std::function<MeshFromFile()>& read) {
+    if (!mesh_) mesh_ = read();
+    return --uses_ > 0 ? *mesh_ : std::move(*mesh_);
+  }
+
+ private:
+  std::size_t uses_;
+  std::optional<MeshFromFile> mesh_;
+};
 
 /// A flat quadrilateral of two triangles, counter-clockwise from a, with the unit square as texture
 /// coordinates.
@@ -31,13 +54,13 @@ Mesh place(Mesh mesh, Properties& p) {
   return mesh;
 }
 
-Geometry read_rectangle(Properties& p, const MitsubaTree&, Notes&) {
+Geometry read_rectangle(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) {
   Mesh mesh;
   add_quad(mesh, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
   return place(std::move(mesh), p);
 }
 
-Geometry read_cube(Properties& p, const MitsubaTree&, Notes&) {
+Geometry read_cube(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) {
   Mesh mesh;
   add_quad(mesh, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1});
   add_quad(mesh, {1, -1, -1}, {-1, -1, -1}, {-1, 1, -1}, {1, 1, -1});
@@ -48,23 +71,18 @@ Geometry read_cube(Properties& p, const MitsubaTree&, Notes&) {
   return place(std::move(mesh), p);
 }
 
-Geometry read_sphere(Properties& p, const MitsubaTree&, Notes&) {
+Geometry read_sphere(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) {
   const V3d center = p.point("center", V3d(0.0));
   const double radius = p.number("radius").value_or(1.0);
   if (!(radius > 0.0)) throw Error(p.where("radius"), "a sphere's radius must be positive", "correct it");
   const M44d to_world = p.transform("to_world");
-  const V3d r0(to_world[0][0], to_world[0][1], to_world[0][2]),
-      r1(to_world[1][0], to_world[1][1], to_world[1][2]), r2(to_world[2][0], to_world[2][1], to_world[2][2]);
-  const double scale = r0.length();
-  // Exporters write six digits.
-  const double tolerance = 1e-4 * scale;
-  const bool is_uniform =
-      std::abs(r1.length() - scale) <= tolerance && std::abs(r2.length() - scale) <= tolerance &&
-      std::abs(r0.dot(r1)) <= tolerance * scale && std::abs(r1.dot(r2)) <= tolerance * scale &&
-      std::abs(r2.dot(r0)) <= tolerance * scale;
-  if (!is_uniform || !(scale > 0.0))
+  const double scale = similarity_scale(to_world);
+  if (!(scale > 0.0))
     throw Error(p.where("to_world"), "a sphere cannot be scaled differently along its axes",
                 "scale it uniformly, or use an OBJ mesh");
+  const auto axis = [&](int k) {
+    return V3f(V3d(to_world[k][0], to_world[k][1], to_world[k][2]) / scale);
+  };
   V3d world_center;
   to_world.multVecMatrix(center, world_center);
   const double world_radius = radius * scale;
@@ -75,30 +93,30 @@ Geometry read_sphere(Properties& p, const MitsubaTree&, Notes&) {
   return Sphere{V3f(world_center),
                 static_cast<float>(world_radius),
                 p.boolean("flip_normals", false),
-                {V3f(r0 / scale), V3f(r1 / scale), V3f(r2 / scale)}};
+                {axis(0), axis(1), axis(2)}};
 }
 
-Geometry read_obj_shape(Properties& p, const MitsubaTree& tree, Notes& notes) {
+Geometry read_disk(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) { return read_mitsuba_disk(p); }
+Geometry read_cylinder(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) { return read_mitsuba_cylinder(p); }
+
+/// The file that a shape names.
+std::filesystem::path file_of(Properties& p, const MitsubaTree& tree) {
   const std::optional<std::string> name = p.text("filename");
   if (!name)
-    throw Error(p.where(), "shape 'obj' has no filename", "add <string name=\"filename\" value=\"...\"/>");
-  const XmlNode& filename = *p.element("filename", {"string"});
-  const bool face_normals = p.boolean("face_normals", false);
-  const bool flip_v = p.boolean("flip_tex_coords", true);
-  p.ignore({"max_smooth_angle", "collapse"});
+    throw Error(p.where(), "shape '" + p.type() + "' has no filename",
+                "add <string name=\"filename\" value=\"...\"/>");
+  return find_file(tree, *p.element("filename", {"string"}), *name);
+}
 
-  const ObjFile file = read_obj(find_file(tree, filename, *name), notes);
-  std::vector<std::uint32_t> faces(file.faces.size());
-  std::iota(faces.begin(), faces.end(), 0u);
-  Mesh mesh = mesh_of_faces(file, faces);
-  if (flip_v)
-    for (V2f& uv : mesh.uvs) uv.y = 1.0f - uv.y;
-  // Mitsuba's rules: without normals in the file they are computed, smooth; face_normals discards both kinds.
-  // The winding stays as it comes out of the transform, even mirrored, unless normals say otherwise.
+/// What Mitsuba does to every mesh from a file, in its order: without normals in the file they are computed,
+/// smooth; face_normals discards both kinds. The winding stays as it comes out of the transform, even mirrored,
+/// unless normals say otherwise.
+Geometry finish_mesh(Mesh mesh, bool face_normals, Properties& p, Notes& notes) {
   if (face_normals) mesh.normals.clear();
   transform(mesh, p.transform("to_world"), p.where("to_world"));
   if (drop_degenerate_triangles(mesh) > 0)
-    notes.add(p.where("filename") + ": triangles without area in '" + *name + "' are left out");
+    notes.add(p.where("filename") + ": triangles without area in '" + p.text("filename").value_or("") +
+              "' are left out");
   if (!face_normals && mesh.normals.empty()) compute_smooth_normals(mesh);
   orient_by_normals(mesh);
   drop_flat_normals(mesh);
@@ -106,13 +124,54 @@ Geometry read_obj_shape(Properties& p, const MitsubaTree& tree, Notes& notes) {
   return mesh;
 }
 
-using Reader = Geometry (*)(Properties&, const MitsubaTree&, Notes&);
+void flip_v(Mesh& mesh) {
+  for (V2f& uv : mesh.uvs) uv.y = 1.0f - uv.y;
+}
+
+Geometry read_obj_shape(Properties& p, const MitsubaTree& tree, ParsedMesh& parsed, Notes& notes) {
+  const std::filesystem::path path = file_of(p, tree);
+  const bool face_normals = p.boolean("face_normals", false), flips_v = p.boolean("flip_tex_coords", true);
+  p.ignore({"max_smooth_angle", "collapse"});
+  MeshFromFile read = parsed.get([&] {
+    MeshFromFile file{mesh_of(read_obj(path, notes)), false};
+    if (flips_v) flip_v(file.mesh);
+    return file;
+  });
+  return finish_mesh(std::move(read.mesh), face_normals, p, notes);
+}
+
+Geometry read_ply_shape(Properties& p, const MitsubaTree& tree, ParsedMesh& parsed, Notes& notes) {
+  const std::filesystem::path path = file_of(p, tree);
+  const bool face_normals = p.boolean("face_normals", false), flips_v = p.boolean("flip_tex_coords", false);
+  p.ignore({"max_smooth_angle", "srgb"});
+  MeshFromFile read = parsed.get([&] {
+    MeshFromFile file{read_ply(path, notes), false};
+    if (flips_v) flip_v(file.mesh);
+    return file;
+  });
+  return finish_mesh(std::move(read.mesh), face_normals, p, notes);
+}
+
+Geometry read_serialized_shape(Properties& p, const MitsubaTree& tree, ParsedMesh& parsed, Notes& notes) {
+  const std::filesystem::path path = file_of(p, tree);
+  const bool face_normals = p.boolean("face_normals", false);
+  const int index = p.integer("shape_index").value_or(0);
+  if (index < 0) throw Error(p.where("shape_index"), "a shape_index is not negative", "the first mesh has 0");
+  p.ignore({"max_smooth_angle"});
+  MeshFromFile read = parsed.get([&] { return read_serialized(path, index); });
+  return finish_mesh(std::move(read.mesh), face_normals || read.face_normals, p, notes);
+}
+
+/// Readers of geometry run in parallel: they touch nothing but their arguments.
+using Reader = Geometry (*)(Properties&, const MitsubaTree&, ParsedMesh&, Notes&);
 
 constexpr Named<Reader> readers[] = {
-    {"cube", read_cube},
-    {"obj", read_obj_shape},
-    {"rectangle", read_rectangle},
-    {"sphere", read_sphere},
+    {"cube", read_cube},           {"cylinder", read_cylinder},
+    {"disk", read_disk},           {"obj", read_obj_shape},
+    {"ply", read_ply_shape},       {"rectangle", read_rectangle},
+    {"serialized", read_serialized_shape}, {"sphere", read_sphere},
+    // Read elsewhere; named here for those who misspell them.
+    {"shapegroup", nullptr},       {"instance", nullptr},
 };
 
 void read_area_emitter(Shape& shape, const XmlNode& node, const MitsubaTree& tree, MitsubaTextures& textures) {
@@ -126,26 +185,89 @@ void read_area_emitter(Shape& shape, const XmlNode& node, const MitsubaTree& tre
   p.finish();
 }
 
+/// One shape: what is cheap and touches the whole scene first, its geometry later, on any thread.
+class ShapeReader {
+ public:
+  ShapeReader(const XmlNode& node, const std::string& name, const MitsubaTree& tree,
+              MitsubaMaterials& materials, MitsubaTextures& textures)
+      : node_(node), tree_(tree), reader_(plugin_of_type<Reader>(readers, node)), properties_(node, tree) {
+    if (!reader_)
+      throw Error(node.where(), "a '" + node.get("type") + "' inside of another shape",
+                  "instances are not nested: put it beside the others");
+    const XmlNode* emitter = properties_.object_of("emitter");
+    const XmlNode* bsdf = properties_.object_of("bsdf");
+    shape.name = properties_.id_or(name);
+    shape.material = bsdf ? materials.of(*bsdf) : materials.standard(emitter != nullptr);
+    if (emitter) read_area_emitter(shape, *emitter, tree, textures);
+    properties_.ignore({"silhouette_sampling_weight"});
+  }
+
+  void read_geometry(ParsedMesh& parsed) {
+    shape.geometry = reader_(properties_, tree_, parsed, notes);
+    properties_.finish();
+    if (Mesh* mesh = std::get_if<Mesh>(&shape.geometry))
+      if (drop_degenerate_triangles(*mesh) > 0)
+        notes.add(node_.where() + ": triangles of shape '" + shape.name + "' without area are left out");
+  }
+
+  Shape shape;
+  Notes notes;
+
+ private:
+  const XmlNode& node_;
+  const MitsubaTree& tree_;
+  Reader reader_;
+  Properties properties_;
+};
+
+/// Two shapes with the same text here are the same before their transforms; "" where nothing is read from a
+/// file.
+std::string source_of(const XmlNode& node) {
+  std::string source = node.get("type") + '\n' + node.file->string();
+  bool has_file = false;
+  for (const XmlNode& child : node.children) {
+    const std::string* name = child.find("name");
+    if (!name || *name == "to_world" || is_object(child) || child.tag == "ref") continue;
+    has_file |= *name == "filename";
+    source += '\n' + child.tag;
+    for (const auto& [attribute, value] : child.attributes) source += '\t' + attribute + '=' + value;
+  }
+  return has_file ? source : "";
+}
+
+/// Indices of shapes by what they are read from, in the order of the first of each.
+std::vector<std::vector<std::size_t>> group_by_source(const NamedShapes& elements) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::map<std::string, std::size_t> known;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const std::string source = source_of(*elements[i].first);
+    std::size_t group = groups.size();
+    if (!source.empty()) group = known.try_emplace(source, group).first->second;
+    if (group == groups.size()) groups.emplace_back();
+    groups[group].push_back(i);
+  }
+  return groups;
+}
+
 }  // namespace
 
-Shape read_mitsuba_shape(const XmlNode& node, const MitsubaTree& tree, const std::string& name,
-                         MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes) {
-  const Reader reader = plugin_of_type<Reader>(readers, node);
-  Properties properties(node, tree);
-  const XmlNode* emitter = properties.object_of("emitter");
-  const XmlNode* bsdf = properties.object_of("bsdf");
-  // Cheap things first: a scene full of meshes with an unsupported material should fail before reading them.
-  Shape shape;
-  shape.name = properties.id_or(name);
-  shape.material = bsdf ? materials.of(*bsdf) : materials.standard(emitter != nullptr);
-  if (emitter) read_area_emitter(shape, *emitter, tree, textures);
-  properties.ignore({"silhouette_sampling_weight"});
-  shape.geometry = reader(properties, tree, notes);
-  properties.finish();
-  if (Mesh* mesh = std::get_if<Mesh>(&shape.geometry))
-    if (drop_degenerate_triangles(*mesh) > 0)
-      notes.add(node.where() + ": triangles of shape '" + shape.name + "' without area are left out");
-  return shape;
+std::vector<Shape> read_mitsuba_shapes(const NamedShapes& elements, const MitsubaTree& tree,
+                                       MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes) {
+  std::vector<ShapeReader> shapes;
+  shapes.reserve(elements.size());
+  for (const auto& [node, name] : elements) shapes.emplace_back(*node, name, tree, materials, textures);
+  const auto groups = group_by_source(elements);
+  parallel_tasks(groups.size(), [&](std::size_t g) {
+    ParsedMesh parsed(groups[g].size());
+    for (const std::size_t i : groups[g]) shapes[i].read_geometry(parsed);
+  });
+
+  std::vector<Shape> result;
+  for (ShapeReader& reader : shapes) {
+    notes.add(reader.notes);
+    result.push_back(std::move(reader.shape));
+  }
+  return result;
 }
 
 }  // namespace twopass

@@ -1,16 +1,24 @@
 // <shape> elements to shapes in world space.
 #pragma once
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "render/load/mitsuba_bsdfs.h"
 #include "render/load/notes.h"
 #include "render/scene/shape.h"
 
 namespace twopass {
 
-/// The shape that an element describes, with its material and what it emits. Its name is its id, or else
-/// `name`; a mesh none of whose triangles has an area comes back without triangles. Throws Error with file:line
-/// for what is not supported.
-Shape read_mitsuba_shape(const XmlNode& node, const MitsubaTree& tree, const std::string& name,
-                         MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes);
+/// <shape> elements, each with the name that it has where it has no id.
+using NamedShapes = std::vector<std::pair<const XmlNode*, std::string>>;
+
+/// The shapes that the elements describe, in their order, with their materials and what they emit. Materials
+/// and lights are read first, then all meshes in parallel, those of the same file and options once. Shapes none
+/// of whose triangles has an area come back without triangles. Throws Error with file:line for what is not supported: the one
+/// that reading one after the other would have met first.
+std::vector<Shape> read_mitsuba_shapes(const NamedShapes& elements, const MitsubaTree& tree,
+                                       MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes);
 
 }  // namespace twopass

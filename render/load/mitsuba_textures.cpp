@@ -1,10 +1,6 @@
 #include "render/load/mitsuba_textures.h"
 
 #include "render/core/error.h"
-#include "render/image/exr.h"
-#include "render/image/raster_file.h"
-#include "render/image/srgb.h"
-#include "render/load/text_file.h"
 
 namespace twopass {
 namespace {
@@ -41,58 +37,75 @@ UvTransform read_to_uv(Properties& p) {
   return result;
 }
 
-float allowed(float x, ColorUse use) {
-  if (!std::isfinite(x)) return 0.0f;
-  return use == ColorUse::reflectance ? std::clamp(x, 0.0f, 1.0f) : std::max(x, 0.0f);
+// The version 0.x picture channels; the colour where none is asked for.
+constexpr Named<TextureChannel> texture_channel_names[] = {
+    {"all", TextureChannel::color}, {"r", TextureChannel::red},   {"g", TextureChannel::green},
+    {"b", TextureChannel::blue},    {"a", TextureChannel::alpha},
+};
+
+TexelRange range_of(ColorUse use) {
+  return use == ColorUse::reflectance ? TexelRange::unit : TexelRange::nonnegative;
+}
+
+TextureEncoding read_encoding(Properties& p) {
+  using Kind = TextureEncoding::Kind;
+  TextureEncoding encoding;
+  if (p.boolean("raw", false)) encoding.kind = Kind::raw;
+  if (const auto gamma = p.number("gamma")) {
+    // Of version 0.x; -1 stands for sRGB.
+    if (!(*gamma == -1.0 || (*gamma > 0.0 && *gamma <= 10.0)))
+      throw Error(p.where("gamma"), "a texture's gamma lies above 0 and at most at 10, or is -1 (sRGB)",
+                  "correct it");
+    encoding.kind = *gamma == -1.0 ? Kind::srgb : *gamma == 1.0 ? Kind::raw : Kind::gamma;
+    if (encoding.kind == Kind::gamma) encoding.gamma = static_cast<float>(*gamma);
+  }
+  if (const auto srgb = p.has("srgb") ? std::optional(p.boolean("srgb", true)) : std::nullopt)
+    encoding.kind = *srgb ? Kind::srgb : Kind::raw;
+  if (const auto name = p.text("color_space")) {
+    encoding.kind = Kind::color_space;
+    encoding.color_space = *name;
+  }
+  return encoding;
 }
 
 }  // namespace
-
-std::shared_ptr<const Image> MitsubaTextures::image(const std::filesystem::path& path, const std::string& where,
-                                                    bool raw, ColorUse use) {
-  std::shared_ptr<const Image>& known = images_[{path, raw, use}];
-  if (known) return known;
-  RasterImage read;
-  try {
-    if (lower_case(path.extension().string()) == ".exr")
-      read.image = read_exr(path);
-    else
-      read = read_raster(path);
-  } catch (const Error& error) {
-    throw Error(where, std::string("the texture cannot be read: ") + error.what(),
-                "correct the file or its name");
-  }
-  const std::vector<C3f> pixels = rgb_pixels(read.image, path.string());
-  auto result =
-      std::make_shared<Image>(read.image.width, read.image.height, std::vector<std::string>{"R", "G", "B"});
-  for (std::size_t i = 0; i < pixels.size(); ++i)
-    for (int c = 0; c < 3; ++c) {
-      float value = pixels[i][c];
-      if (read.display_referred && !raw) value = srgb_decode(std::max(value, 0.0f));
-      result->pixels[3 * i + static_cast<std::size_t>(c)] = allowed(value, use);
-    }
-  return known = result;
-}
 
 Texture MitsubaTextures::read_bitmap(Properties& p, ColorUse use) {
   const std::optional<std::string> name = p.text("filename");
   if (!name)
     throw Error(p.where(), "texture 'bitmap' has no filename", "add <string name=\"filename\" value=\"...\"/>");
-  Bitmap bitmap;
-  bitmap.filter = named_property<TextureFilter>(p, "filter_type", texture_filter_names, TextureFilter::bilinear);
-  bitmap.wrap = named_property<TextureWrap>(p, "wrap_mode", texture_wrap_names, TextureWrap::repeat);
-  bool raw = p.boolean("raw", false);
-  if (const auto gamma = p.number("gamma")) {
-    // Of version 0.x; -1 stands for sRGB.
-    if (*gamma != 1.0 && *gamma != -1.0 && std::abs(*gamma - 2.2) > 1e-6)
-      throw Error(p.where("gamma"), "a texture's gamma is 1, 2.2 or -1 (sRGB)", "convert the image");
-    raw = raw || *gamma == 1.0;
-  }
-  bitmap.to_uv = read_to_uv(p);
-  p.ignore({"format", "accel", "cache", "max_anisotropy", "channel"});
   const XmlNode& filename = *p.element("filename", {"string"});
-  bitmap.image = image(find_file(tree_, filename, *name), p.where("filename"), raw, use);
-  return bitmap;
+  TextureRequest request{
+      .name = *name, .folders = {filename.file->parent_path()}, .where = p.where("filename")};
+  request.folders.insert(request.folders.end(), tree_.folders.begin(), tree_.folders.end());
+  request.texels.encoding = read_encoding(p);
+  request.texels.channel =
+      named_property<TextureChannel>(p, "channel", texture_channel_names, TextureChannel::color);
+  request.texels.range = range_of(use);
+  Bitmap& look = request.look;
+  look.filter = named_property<TextureFilter>(p, "filter_type", texture_filter_names, TextureFilter::bilinear);
+  look.wrap_u = look.wrap_v =
+      named_property<TextureWrap>(p, "wrap_mode", texture_wrap_names, TextureWrap::repeat);
+  // Of version 0.x, where each axis may have its own.
+  look.wrap_u = named_property<TextureWrap>(p, "wrap_mode_u", texture_wrap_names, look.wrap_u);
+  look.wrap_v = named_property<TextureWrap>(p, "wrap_mode_v", texture_wrap_names, look.wrap_v);
+  look.to_uv = read_to_uv(p);
+  p.ignore({"format", "accel", "cache", "max_anisotropy"});
+  return files_.load(request);
+}
+
+/// Of version 0.x: another texture times a factor.
+Texture MitsubaTextures::read_scale(Properties& p, ColorUse use) {
+  const XmlNode* nested = p.object_of("texture");
+  if (!nested) throw Error(p.where(), "texture 'scale' holds no texture", "add the one that it scales");
+  const Texture texture = of(*nested, ColorUse::emission);
+  TexelScale scale{.lowest = 0.0f, .highest = use == ColorUse::reflectance ? 1.0f : infinity_f};
+  const XmlNode* factor = p.element("scale", {"float", "rgb", "srgb", "spectrum"});
+  if (factor && factor->tag == "float")
+    scale.factor = C3f(static_cast<float>(*p.number("scale")));
+  else if (factor)
+    scale.factor = *p.color("scale", ColorUse::emission);
+  return scaled(texture, scale);
 }
 
 Texture MitsubaTextures::read_checkerboard(Properties& p, ColorUse use) {
@@ -103,11 +116,26 @@ Texture MitsubaTextures::read_checkerboard(Properties& p, ColorUse use) {
   return board;
 }
 
+/// Unbound: the mesh is known where a shape uses it (mesh_colors.h).
+Texture MitsubaTextures::read_mesh_attribute(Properties& p, ColorUse use) {
+  const std::optional<std::string> name = p.text("name");
+  if (!name || !(name->starts_with("vertex_") || name->starts_with("face_")))
+    throw Error(p.where("name"), "texture 'mesh_attribute' needs the name of an attribute",
+                "give a name that starts with vertex_ or face_, as in <string name=\"name\" value=\"vertex_color\"/>");
+  const auto factor = static_cast<float>(p.number("scale").value_or(1.0));
+  return MeshColors{*name, nullptr,
+                    TexelScale{.factor = C3f(factor),
+                               .lowest = 0.0f,
+                               .highest = use == ColorUse::reflectance ? 1.0f : infinity_f}};
+}
+
 Texture MitsubaTextures::of(const XmlNode& texture, ColorUse use) {
   using Reader = Texture (MitsubaTextures::*)(Properties&, ColorUse);
   constexpr Named<Reader> readers[] = {
       {"bitmap", &MitsubaTextures::read_bitmap},
       {"checkerboard", &MitsubaTextures::read_checkerboard},
+      {"mesh_attribute", &MitsubaTextures::read_mesh_attribute},
+      {"scale", &MitsubaTextures::read_scale},
   };
   const Reader reader = plugin_of_type<Reader>(readers, texture);
   Properties properties(texture, tree_);

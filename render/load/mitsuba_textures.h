@@ -1,20 +1,18 @@
-// <texture> elements to textures; their images are read once however often they are used.
+// <texture> elements to textures.
 #pragma once
 
-#include <map>
 #include <optional>
-#include <tuple>
 
 #include "materials/texture.h"
 #include "render/load/mitsuba_properties.h"
-#include "render/load/notes.h"
+#include "render/load/texture_files.h"
 
 namespace twopass {
 
 class MitsubaTextures {
  public:
   /// REQUIRES: the arguments outlive this.
-  MitsubaTextures(const MitsubaTree& tree, Notes& notes) : tree_(tree), notes_(notes) {}
+  MitsubaTextures(const MitsubaTree& tree, TextureFiles& files) : tree_(tree), files_(files) {}
 
   /// The texture of a <texture>. Colours are limited to what `use` allows. Throws Error with file:line.
   Texture of(const XmlNode& texture, ColorUse use);
@@ -24,12 +22,11 @@ class MitsubaTextures {
  private:
   Texture read_bitmap(Properties& p, ColorUse use);
   Texture read_checkerboard(Properties& p, ColorUse use);
-  std::shared_ptr<const Image> image(const std::filesystem::path& path, const std::string& where, bool raw,
-                                     ColorUse use);
+  Texture read_scale(Properties& p, ColorUse use);
+  Texture read_mesh_attribute(Properties& p, ColorUse use);
 
   const MitsubaTree& tree_;
-  Notes& notes_;
-  std::map<std::tuple<std::filesystem::path, bool, ColorUse>, std::shared_ptr<const Image>> images_;
+  TextureFiles& files_;
 };
 
 }  // namespace twopass

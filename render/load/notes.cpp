@@ -1,15 +1,13 @@
 #include "render/load/notes.h"
 
-#include <algorithm>
-
 namespace twopass {
 
-void Notes::add(std::string note) {
-  const auto same = std::ranges::find(entries_, note, &Entry::text);
-  if (same == entries_.end())
-    entries_.push_back({std::move(note), 1});
+void Notes::add(std::string note, int count) {
+  const auto [entry, is_new] = known_.try_emplace(note, entries_.size());
+  if (is_new)
+    entries_.push_back({std::move(note), count});
   else
-    ++same->count;
+    entries_[entry->second].count += count;
 }
 
 std::vector<std::string> Notes::lines() const {

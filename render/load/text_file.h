@@ -13,6 +13,8 @@ std::string read_text_file(const std::filesystem::path& path);
 
 /// Removes a UTF-8 byte order mark in front of `text`.
 std::string_view without_byte_order_mark(std::string_view text);
+/// The same. Throws Error at `where` for a byte order mark of UTF-16.
+std::string_view utf8_text(std::string_view text, std::string_view where);
 
 /// `text` in single quotes, for errors.
 std::string in_quotes(std::string_view text);

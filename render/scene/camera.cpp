@@ -1,6 +1,7 @@
 #include "render/scene/camera.h"
 
 #include "render/core/error.h"
+#include "render/core/warp.h"
 
 namespace twopass {
 
@@ -18,58 +19,95 @@ M44d look_at(const V3d& origin, const V3d& target, const V3d& up, std::string_vi
           forward.x, forward.y, forward.z, 0.0, origin.x,  origin.y,  origin.z,  1.0};
 }
 
-CameraDescription framing_camera(const Box3f& bounds) {
+CameraDescription framing_camera(const Box3f& bounds, FramingView view) {
   CameraDescription camera;
   camera.fov_degrees = 39.3;
   camera.fov_axis = FovAxis::smaller;
-  if (bounds.isEmpty()) {
-    camera.to_world = look_at({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, "camera");
-    return camera;
+  const V3d forward = view == FramingView::front ? V3d(0.0, 0.0, -1.0) : V3d(-0.5, -0.45, -1.0).normalized();
+  V3d center(0.0, 0.0, 0.0), half(1.0, 1.0, 1.0);
+  if (!bounds.isEmpty()) {
+    center = (V3d(bounds.min) + V3d(bounds.max)) * 0.5;
+    half = (V3d(bounds.max) - V3d(bounds.min)) * 0.5;
   }
-  const V3d center((V3d(bounds.min) + V3d(bounds.max)) * 0.5), half((V3d(bounds.max) - V3d(bounds.min)) * 0.5);
-  double extent = std::max(half.x, half.y);
-  // Straight on, into a box that is open in front; from above onto something flat.
-  const bool flat = half.y < 0.2 * std::max(half.x, half.z);
-  if (flat) extent = half.length();
-  if (!(extent > 0.0)) extent = half.z > 0.0 ? half.z : 1.0;
-  const double distance = 1.05 * extent / std::tan(0.5 * camera.fov_degrees * pi / 180.0);
-  const V3d origin =
-      flat ? center + V3d(0.0, 0.6, 0.8) * (distance + extent) : center + V3d(0.0, 0.0, half.z + distance);
-  camera.to_world = look_at(origin, center, {0, 1, 0}, "camera");
+  if (!(half.length() > 0.0)) half = V3d(1.0, 1.0, 1.0);
+  // As near as all corners allow: each must have depth * tan(fov / 2) >= its distance from the axis.
+  const M44d axes = look_at({0, 0, 0}, forward, {0, 1, 0}, "camera");
+  const double slope = std::tan(0.5 * camera.fov_degrees * pi / 180.0);
+  double distance = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const V3d p((corner & 1) != 0 ? half.x : -half.x, (corner & 2) != 0 ? half.y : -half.y,
+                (corner & 4) != 0 ? half.z : -half.z);
+    const auto along = [&](int axis) { return p.dot(V3d(axes[axis][0], axes[axis][1], axes[axis][2])); };
+    distance = std::max(distance, std::max(std::abs(along(0)), std::abs(along(1))) / slope - along(2));
+  }
+  constexpr double margin = 1.05;
+  camera.to_world = look_at(center - forward * (margin * distance), center, {0, 1, 0}, "camera");
   return camera;
 }
 
-Camera::Camera(const CameraDescription& description, int width, int height) {
-  const double w = width, h = height;
-  double measured = w;  // the extent, in pixels, that the field of view covers
-  switch (description.fov_axis) {
+namespace {
+
+// The extent, in pixels, that the field of view covers.
+double measured_extent(FovAxis axis, double width, double height) {
+  switch (axis) {
+    case FovAxis::y:
+      return height;
+    case FovAxis::diagonal:
+      return std::hypot(width, height);
+    case FovAxis::smaller:
+      return std::min(width, height);
+    case FovAxis::larger:
+      return std::max(width, height);
     case FovAxis::x:
       break;
-    case FovAxis::y:
-      measured = h;
-      break;
-    case FovAxis::diagonal:
-      measured = std::hypot(w, h);
-      break;
-    case FovAxis::smaller:
-      measured = std::min(w, h);
-      break;
-    case FovAxis::larger:
-      measured = std::max(w, h);
-      break;
   }
-  const double pixel = 2.0 * std::tan(0.5 * description.fov_degrees * pi / 180.0) / measured;
+  return width;
+}
+
+}  // namespace
+
+Camera::Camera(const CameraDescription& description, int width, int height)
+    : width_(width),
+      height_(height),
+      is_perspective_(description.projection == Projection::perspective),
+      aperture_radius_(is_perspective_ ? static_cast<float>(description.aperture_radius) : 0.0f),
+      focus_distance_(static_cast<float>(description.focus_distance)),
+      near_clip_(static_cast<float>(description.near_clip)),
+      clip_range_(static_cast<float>(description.far_clip - description.near_clip)) {
   const auto row = [&](int i) {
     return V3d(description.to_world[i][0], description.to_world[i][1], description.to_world[i][2]);
   };
+  const double w = width, h = height;
+  const double pixel = is_perspective_ ? 2.0 * std::tan(0.5 * description.fov_degrees * pi / 180.0) /
+                                             measured_extent(description.fov_axis, w, h)
+                                       : 2.0 / w;
   // Camera space has +x to the left and +y up; pixels run right and down.
   const V3d dx = row(0) * -pixel, dy = row(1) * -pixel;
-  origin_ = V3f(row(3));
+  const V2d& shift = description.principal_point_offset;
+  const V3d corner = dx * ((shift.x - 0.5) * w) + dy * ((shift.y - 0.5) * h);
   dx_ = V3f(dx);
   dy_ = V3f(dy);
-  corner_ = V3f(row(2) - dx * (0.5 * w) - dy * (0.5 * h));
+  origin_ = V3f(row(3));
+  forward_ = V3f(row(2).normalized());
+  corner_ = V3f(is_perspective_ ? row(2) + corner : row(3) + row(2) * description.near_clip + corner);
+  lens_x_ = V3f(row(0).normalized()) * aperture_radius_;
+  lens_y_ = V3f(row(1).normalized()) * aperture_radius_;
 }
 
-Ray Camera::ray(const V2f& pixel) const { return {origin_, unit(corner_ + dx_ * pixel.x + dy_ * pixel.y)}; }
+CameraRay Camera::ray(const V2f& pixel, const V2f& lens) const {
+  V3f at = corner_ + dx_ * pixel.x + dy_ * pixel.y;
+  if (!is_perspective_) return {{at, forward_}, clip_range_};
+  V3f origin = origin_;
+  if (has_lens()) {
+    // Uniform on the lens; rays from all of it meet where the one through its middle has the depth of focus.
+    const V2f point = circle(lens.y) * std::sqrt(lens.x);
+    const V3f offset = lens_x_ * point.x + lens_y_ * point.y;
+    origin += offset;
+    at -= offset / focus_distance_;
+  }
+  // `at` has the depth 1: its multiples have the depths that clipping planes are given by.
+  const float length = at.length();
+  return {{origin + at * near_clip_, at * (1.0f / length)}, clip_range_ * length};
+}
 
 }  // namespace twopass

@@ -31,6 +31,7 @@ bool complete(LightPolygon& polygon) {
   if (!(length > 0.0)) return false;
   polygon.normal = area_vector / length;
   polygon.area = 0.5 * length;
+  polygon.pdf_a = static_cast<float>(1.0 / polygon.area);
   V3d middle(0.0);
   for (int i = 0; i < polygon.corners; ++i) middle += V3d(c[i]);
   polygon.middle = V3f(middle / static_cast<double>(polygon.corners));
@@ -39,9 +40,9 @@ bool complete(LightPolygon& polygon) {
   if (polygon.corners == 4)
     polygon.first_share =
         static_cast<float>(0.5 * (V3d(c[1]) - origin).cross(V3d(c[2]) - origin).length() / polygon.area);
-  polygon.offset = rounding_offset({c[0], c[1], c[2]});
+  polygon.offset = rounding_offset(std::array{c[0], c[1], c[2]});
   if (polygon.corners == 3) return true;
-  polygon.offset = std::max(polygon.offset, rounding_offset({c[1], c[2], c[3]}));
+  polygon.offset = std::max(polygon.offset, rounding_offset(std::array{c[1], c[2], c[3]}));
   const V3d e1 = V3d(c[1]) - origin, e2 = V3d(c[3]) - origin, far_corner = V3d(c[2]) - origin;
   const double gap = (far_corner - e1 - e2).length();
   polygon.is_parallelogram = gap <= polygon.offset && gap <= 1e-5 * extent(polygon);

@@ -16,6 +16,7 @@ struct LightPolygon {
   bool is_parallelogram = false;
   V3d normal{0.0};           ///< unit, of the front
   double area = 0.0;         ///< > 0
+  float pdf_a = 0.0f;        ///< 1 / area
   float offset = 0.0f;       ///< rounding_offset() of its corners
   V3f middle{0.0f};          ///< mean of the corners
   float reach2 = 0.0f;       ///< squared distance of the farthest corner from there

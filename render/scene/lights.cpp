@@ -42,6 +42,48 @@ LightBounds bounds_of(const LightPolygon& polygon, const Shape& shape) {
   return bounds;
 }
 
+LightBounds bounds_of(const Sphere& sphere, const Shape& shape) {
+  LightBounds bounds;
+  bounds.box = box_of(sphere);
+  bounds.power = power_of(shape, 4.0 * pi * sphere.radius * sphere.radius);
+  return bounds;
+}
+LightBounds bounds_of(const Disk& disk, const Shape& shape) {
+  LightBounds bounds;
+  const bool front_is_dark = is_black(shape.radiance[front]);
+  bounds.box = box_of(disk);
+  bounds.axis = front_is_dark ? -unit_normal(disk) : unit_normal(disk);
+  bounds.cos_cone = 1.0f;
+  bounds.is_two_sided = !front_is_dark && !is_black(shape.radiance[back]);
+  bounds.power = power_of(shape, area_of(disk));
+  return bounds;
+}
+LightBounds bounds_of(const Cylinder& cylinder, const Shape& shape) {
+  LightBounds bounds;
+  bounds.box = box_of(cylinder);
+  bounds.power = power_of(shape, area_of(cylinder));
+  return bounds;
+}
+
+// The part of a cylinder that is sampled for a receiver, in radians around its axis: the half of which the
+// receiver sees the outside, where only that shines.
+struct VisibleArc {
+  float middle = 0.0f, half = pi_f;
+};
+VisibleArc visible_arc(const Cylinder& cylinder, const Shape& shape, const V3f& receiver) {
+  const Side outer = cylinder.inward ? back : front;
+  if (is_black(shape.radiance[outer]) || !is_black(shape.radiance[outer == front ? back : front])) return {};
+  const V3f from = receiver - cylinder.base;
+  const float x = from.dot(cylinder.axes[0]), y = from.dot(cylinder.axes[1]), distance = std::hypot(x, y);
+  if (!(distance > cylinder.radius)) return {};
+  return {std::atan2(y, x), std::acos(cylinder.radius / distance)};
+}
+
+// The density in solid angle of a point that is drawn with `pdf_a` on a surface of that normal.
+float pdf_w_of_area(float pdf_a, float distance2, float cosine) {
+  return cosine == 0.0f ? 0.0f : pdf_a * distance2 / std::abs(cosine);
+}
+
 // The place of a punctual light; nothing if it is infinitely far away.
 std::optional<V3f> place_of(const PunctualLight& light) {
   return std::visit(
@@ -88,22 +130,34 @@ Lights::Lights(std::span<const Shape> shapes, std::span<const PunctualLight> pun
   distant_share_ = entries_.empty() ? 1.0f : 0.5f;
 }
 
+template <class Kind>
+void Lights::add_surface(std::uint32_t s, Kind kind, const LightBounds& surface,
+                         std::vector<LightBounds>& bounds) {
+  const bool shines = surface.power > 0.0f;
+  entry_of_.push_back(shines ? static_cast<std::uint32_t>(entries_.size()) : no_index);
+  if (!shines) return;
+  entries_.push_back({s, kind});
+  bounds.push_back(surface);
+}
+
 void Lights::add_shape(std::uint32_t s, std::vector<LightBounds>& bounds) {
   const Shape& shape = shapes_[s];
   first_[s] = static_cast<std::uint32_t>(entry_of_.size());
-  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    LightBounds all_around;
-    all_around.box = Box3f(sphere->center - V3f(sphere->radius), sphere->center + V3f(sphere->radius));
-    all_around.power = power_of(shape, 4.0 * pi * sphere->radius * sphere->radius);
-    entry_of_.push_back(all_around.power > 0.0f ? static_cast<std::uint32_t>(entries_.size()) : no_index);
-    if (!(all_around.power > 0.0f)) return;
-    entries_.push_back({s, SphereLight{}});
-    bounds.push_back(all_around);
-    return;
+  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
+    return add_surface(s, SphereLight{}, bounds_of(*sphere, shape), bounds);
+  if (const auto* disk = std::get_if<Disk>(&shape.geometry))
+    return add_surface(s, DiskLight{}, bounds_of(*disk, shape), bounds);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry))
+    return add_surface(s, CylinderLight{}, bounds_of(*cylinder, shape), bounds);
+  const Mesh* mesh = mesh_of(shape.geometry);
+  Mesh placed;  // of an instance: where it stands
+  if (const auto* instance = std::get_if<MeshInstance>(&shape.geometry)) {
+    placed.triangles = mesh->triangles;
+    for (const V3f& p : mesh->positions) placed.positions.push_back(instance->to_world.point(p));
+    mesh = &placed;
   }
-  const Mesh& mesh = std::get<Mesh>(shape.geometry);
-  entry_of_.resize(entry_of_.size() + mesh.triangles.size(), no_index);
-  for (const LightPolygon& polygon : light_polygons(mesh)) {
+  entry_of_.resize(entry_of_.size() + mesh->triangles.size(), no_index);
+  for (const LightPolygon& polygon : light_polygons(*mesh)) {
     const LightBounds polygon_bounds = bounds_of(polygon, shape);
     if (!(polygon_bounds.power > 0.0f)) continue;
     for (int i = 0; i + 2 < polygon.corners; ++i)
@@ -131,22 +185,31 @@ void Lights::add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds,
 C3f Lights::radiance(const Entry& entry, Side side, const V3f& position) const {
   const Shape& shape = shapes_[entry.shape];
   if (!shape.radiance_texture || side == back) return shape.radiance[side];
+  return textured_radiance(entry, position);
+}
+
+C3f Lights::textured_radiance(const Entry& entry, const V3f& position) const {
+  const Shape& shape = shapes_[entry.shape];
   V2f uv;
+  MeshPlace place;
   if (const auto* polygon = std::get_if<LightPolygon>(&entry.kind)) {
-    const Mesh& mesh = std::get<Mesh>(shape.geometry);
     std::uint32_t triangle = polygon->triangles[0];
-    V2f at = barycentric_at(mesh, triangle, position);
+    V2f at = barycentric_at(corners(shape.geometry, triangle), position);
     if (polygon->corners == 4 && std::min({at.x, at.y, 1.0f - at.x - at.y}) < 0.0f) {
       triangle = polygon->triangles[1];
-      at = barycentric_at(mesh, triangle, position);
+      at = barycentric_at(corners(shape.geometry, triangle), position);
     }
-    uv = parametrization(mesh, triangle, at, V3f(polygon->normal)).uv;
+    uv = parametrization(*mesh_of(shape.geometry), triangle, at, V3f(polygon->normal)).uv;
+    place = {triangle, at};
+  } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    const V3f outward = unit(position - sphere->center);
+    uv = parametrization(*sphere, sphere->inward ? -outward : outward).uv;
+  } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
+    uv = parametrization(*disk, position).uv;
   } else {
-    const Sphere& sphere = std::get<Sphere>(shape.geometry);
-    const V3f outward = unit(position - sphere.center);
-    uv = parametrization(sphere, sphere.inward ? -outward : outward).uv;
+    uv = parametrization(std::get<Cylinder>(shape.geometry), position).uv;
   }
-  return color_at(*shape.radiance_texture, uv);
+  return color_at(*shape.radiance_texture, {uv, V2f(0.0f, 0.0f), place});
 }
 
 LightSample Lights::sample(const Receiver& receiver, const V2f& u) const {
@@ -160,16 +223,19 @@ LightSample Lights::sample(const Receiver& receiver, const V2f& u) const {
   if (!(choice.probability > 0.0f)) return nothing;
   v.x = choice.remapped;
   const Entry& entry = entries_[choice.light];
-  LightSample drawn =
-      std::visit([&](const auto& kind) { return sample_of(entry, kind, receiver, v); }, entry.kind);
-  drawn.pdf_w *= choice.probability * (1.0f - distant_share_);
-  return drawn;
+  const auto draw = [&](const auto& kind) {
+    LightSample drawn = sample_of(entry, kind, receiver, v);
+    drawn.pdf_w *= choice.probability * (1.0f - distant_share_);
+    return drawn;
+  };
+  // Most lights are polygons: no jump through a table for them.
+  if (const auto* polygon = std::get_if<LightPolygon>(&entry.kind)) return draw(*polygon);
+  return std::visit(draw, entry.kind);
 }
 
 LightSample Lights::sample_of(const Entry& entry, const LightPolygon& polygon, const Receiver& receiver,
                               const V2f& u) const {
-  const double height = polygon.normal.dot(V3d(receiver.position) - V3d(polygon.corner[0]));
-  const Side side = height >= 0.0 ? front : back;
+  const Side side = side_of(polygon, receiver);
   if (is_black(shapes_[entry.shape].radiance[side])) return nothing;
   const PolygonView::Point point = PolygonView(polygon, receiver).sample(u);
   const auto clear = static_cast<float>(side == front ? polygon.offset : -polygon.offset);
@@ -202,6 +268,40 @@ LightSample Lights::sample_of(const Entry& entry, SphereLight, const Receiver& r
   const Side side = from_inside == sphere.inward ? front : back;
   return {position + outward * (from_inside ? -offset : offset), to_light * (1.0f / length),
           radiance(entry, side, position), pdf_a * length2 * length / std::abs(cosine_times_length), false};
+}
+
+LightSample Lights::sample_of(const Entry& entry, DiskLight, const Receiver& receiver, const V2f& u) const {
+  const Disk& disk = std::get<Disk>(shapes_[entry.shape].geometry);
+  const V2f at = square_to_disk(u);
+  const V3f position = disk.center + disk.x * at.x + disk.y * at.y, normal = unit_normal(disk);
+  const V3f to_light = position - receiver.position;
+  const float length2 = to_light.dot(to_light);
+  if (!(length2 > 0.0f)) return nothing;
+  const V3f direction = to_light * (1.0f / std::sqrt(length2));
+  const float cosine = direction.dot(normal);
+  const Side side = cosine < 0.0f ? front : back;
+  const float clear = side == front ? rounding_offset(disk) : -rounding_offset(disk);
+  const auto pdf_a = static_cast<float>(1.0 / area_of(disk));
+  return {position + normal * clear, direction, radiance(entry, side, position),
+          pdf_w_of_area(pdf_a, length2, cosine), false};
+}
+
+LightSample Lights::sample_of(const Entry& entry, CylinderLight, const Receiver& receiver, const V2f& u) const {
+  const Shape& shape = shapes_[entry.shape];
+  const Cylinder& cylinder = std::get<Cylinder>(shape.geometry);
+  const VisibleArc arc = visible_arc(cylinder, shape, receiver.position);
+  const float angle = arc.middle + (2.0f * u.x - 1.0f) * arc.half;
+  const V3f outward = cylinder.axes[0] * std::cos(angle) + cylinder.axes[1] * std::sin(angle);
+  const V3f position = cylinder.base + cylinder.axes[2] * (u.y * cylinder.length) + outward * cylinder.radius;
+  const V3f to_light = position - receiver.position;
+  const float length2 = to_light.dot(to_light), area = 2.0f * arc.half * cylinder.radius * cylinder.length;
+  if (!(length2 > 0.0f) || !(area > 0.0f)) return nothing;
+  const V3f direction = to_light * (1.0f / std::sqrt(length2));
+  const float cosine = direction.dot(outward), offset = rounding_offset(cylinder);
+  const bool from_inside = cosine > 0.0f;
+  const Side side = from_inside == cylinder.inward ? front : back;
+  return {position + outward * (from_inside ? -offset : offset), direction, radiance(entry, side, position),
+          pdf_w_of_area(1.0f / area, length2, cosine), false};
 }
 
 LightSample Lights::sample_of(const Entry&, Punctual punctual, const Receiver& receiver, const V2f&) const {
@@ -245,13 +345,20 @@ float Lights::pdf_w(const Receiver& receiver, const V3f& direction, float distan
   if (entries_.size() > 1) probability *= tree_.probability(receiver, index);
   if (const auto* polygon = std::get_if<LightPolygon>(&entries_[index].kind))
     return probability * PolygonView(*polygon, receiver).pdf_w(direction, distance);
+  const float cosine = direction.dot(point.geometric_normal), distance2 = distance * distance;
+  if (const auto* disk = std::get_if<Disk>(&shape.geometry))
+    return probability * pdf_w_of_area(static_cast<float>(1.0 / area_of(*disk)), distance2, cosine);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+    const float arc = 2.0f * visible_arc(*cylinder, shape, receiver.position).half;
+    const float area = arc * cylinder->radius * cylinder->length;
+    return area > 0.0f ? probability * pdf_w_of_area(1.0f / area, distance2, cosine) : 0.0f;
+  }
   const Sphere& sphere = std::get<Sphere>(shape.geometry);
   const V3f to_center = sphere.center - receiver.position;
   const float d2 = to_center.dot(to_center);
   if (sees_cone(sphere.radius, d2)) return probability * cone_pdf_w(one_minus_cos_max(sphere.radius, d2));
-  const float cosine = std::abs(direction.dot(point.geometric_normal));
-  if (cosine == 0.0f) return 0.0f;
-  return probability * distance * distance / (4.0f * pi_f * sphere.radius * sphere.radius * cosine);
+  return probability *
+         pdf_w_of_area(1.0f / (4.0f * pi_f * sphere.radius * sphere.radius), distance2, cosine);
 }
 
 float Lights::escaped_pdf_w(const Receiver&, const V3f& direction) const {

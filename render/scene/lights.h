@@ -25,8 +25,8 @@ struct LightSample {
   bool is_delta;  ///< a punctual light: no ray meets it, so its weight is 1
 };
 
-/// Emitting polygons and spheres, punctual lights and the environment. What is at a finite place is chosen by a
-/// tree (L7), what is infinitely far away takes a fixed share (L8). Const and thread-safe.
+/// Emitting polygons, spheres, disks and cylinders, punctual lights and the environment. What is at a finite
+/// place is chosen by a tree (L7), what is infinitely far away takes a fixed share (L8). Const and thread-safe.
 class Lights {
  public:
   /// `bounds` hold everything that can receive light. REQUIRES: all arguments outlive the lights.
@@ -35,9 +35,9 @@ class Lights {
   /// Emitting shapes alone. REQUIRES: the shapes outlive the lights.
   explicit Lights(std::span<const Shape> shapes) : Lights(shapes, {}, no_environment(), Box3f()) {}
 
-  [[nodiscard]] bool empty() const { return count() == 0; }
-  /// Number of lights that are chosen among: polygons (light_polygons()), spheres, punctual lights and the
-  /// environment.
+  [[nodiscard]] bool empty() const { return entries_.empty() && distant_.empty(); }
+  /// Number of lights that are chosen among: polygons (light_polygons()), analytic surfaces, punctual lights
+  /// and the environment.
   [[nodiscard]] std::size_t count() const { return entries_.size() + distant_.size(); }
   /// REQUIRES: !empty(), u in [0, 1)^2.
   [[nodiscard]] LightSample sample(const Receiver& receiver, const V2f& u) const;
@@ -49,22 +49,32 @@ class Lights {
   [[nodiscard]] float escaped_pdf_w(const Receiver& receiver, const V3f& direction) const;
 
  private:
-  struct SphereLight {};  // all is in the shape
-  struct Punctual {       // at a finite place
+  // All about these is in the shape.
+  struct SphereLight {};
+  struct DiskLight {};
+  struct CylinderLight {};
+  struct Punctual {  // at a finite place
     std::uint32_t index;
   };
   struct Entry {
     std::uint32_t shape;
-    std::variant<LightPolygon, SphereLight, Punctual> kind;
+    std::variant<LightPolygon, SphereLight, DiskLight, CylinderLight, Punctual> kind;
   };
   static const Environment& no_environment();
   void add_shape(std::uint32_t s, std::vector<LightBounds>& bounds);
+  template <class Kind>
+  void add_surface(std::uint32_t s, Kind kind, const LightBounds& surface, std::vector<LightBounds>& bounds);
   void add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds, std::vector<double>& weights);
   /// Radiance that a point of the light sends to the side on which the receiver is.
   [[nodiscard]] C3f radiance(const Entry& entry, Side side, const V3f& position) const;
+  [[nodiscard]] C3f textured_radiance(const Entry& entry, const V3f& position) const;
   [[nodiscard]] LightSample sample_of(const Entry& entry, const LightPolygon& polygon, const Receiver& receiver,
                                       const V2f& u) const;
   [[nodiscard]] LightSample sample_of(const Entry& entry, SphereLight, const Receiver& receiver,
+                                      const V2f& u) const;
+  [[nodiscard]] LightSample sample_of(const Entry& entry, DiskLight, const Receiver& receiver,
+                                      const V2f& u) const;
+  [[nodiscard]] LightSample sample_of(const Entry& entry, CylinderLight, const Receiver& receiver,
                                       const V2f& u) const;
   [[nodiscard]] LightSample sample_of(const Entry& entry, Punctual punctual, const Receiver& receiver,
                                       const V2f& u) const;

@@ -38,8 +38,29 @@ Parametrization parametrization(const Sphere& sphere, const V3f& normal) {
   return result;
 }
 
-V2f barycentric_at(const Mesh& mesh, std::uint32_t triangle, const V3f& position) {
-  const auto p = corners(mesh, triangle);
+Parametrization parametrization(const Disk& disk, const V3f& position) {
+  const V3d x(disk.x), y(disk.y), p = V3d(position) - V3d(disk.center), normal = x.cross(y);
+  const double n2 = normal.dot(normal);
+  const double a = normal.dot(p.cross(y)) / n2, b = normal.dot(x.cross(p)) / n2, radius = std::hypot(a, b);
+  const auto turns = static_cast<float>(std::atan2(b, a) / (2.0 * pi));
+  const auto cosine = static_cast<float>(radius > 0.0 ? a / radius : 1.0),
+             sine = static_cast<float>(radius > 0.0 ? b / radius : 0.0);
+  // dp_dv vanishes in the middle, where u and v turn around: there the direction remains.
+  const float around = 2.0f * pi_f * std::max(static_cast<float>(radius), 1e-6f);
+  return {V2f(static_cast<float>(radius), turns < 0.0f ? turns + 1.0f : turns), disk.x * cosine + disk.y * sine,
+          (disk.y * cosine - disk.x * sine) * around};
+}
+
+Parametrization parametrization(const Cylinder& cylinder, const V3f& position) {
+  const V3f &ax = cylinder.axes[0], &ay = cylinder.axes[1], &az = cylinder.axes[2];
+  float along;
+  const V3f outward = outward_at(cylinder, position, along);
+  const float x = outward.dot(ax), y = outward.dot(ay), turns = std::atan2(y, x) / (2.0f * pi_f);
+  return {V2f(turns < 0.0f ? turns + 1.0f : turns, along),
+          (ay * x - ax * y) * (2.0f * pi_f * cylinder.radius), az * cylinder.length};
+}
+
+V2f barycentric_at(const std::array<V3f, 3>& p, const V3f& position) {
   const V3d e1 = V3d(p[1]) - V3d(p[0]), e2 = V3d(p[2]) - V3d(p[0]), d = V3d(position) - V3d(p[0]);
   const double d11 = e1.dot(e1), d12 = e1.dot(e2), d22 = e2.dot(e2), b1 = d.dot(e1), b2 = d.dot(e2);
   const double determinant = d11 * d22 - d12 * d12;

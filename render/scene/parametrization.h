@@ -16,8 +16,11 @@ Parametrization parametrization(const Mesh& mesh, std::uint32_t triangle, const 
                                 const V3f& normal);
 /// At the point of a sphere where its front has the unit normal `normal`.
 Parametrization parametrization(const Sphere& sphere, const V3f& normal);
+/// At a point of a disk or cylinder.
+Parametrization parametrization(const Disk& disk, const V3f& position);
+Parametrization parametrization(const Cylinder& cylinder, const V3f& position);
 
 /// Barycentric coordinates of corners 1 and 2 of the point of the triangle's plane nearest to `position`.
-V2f barycentric_at(const Mesh& mesh, std::uint32_t triangle, const V3f& position);
+V2f barycentric_at(const std::array<V3f, 3>& triangle, const V3f& position);
 
 }  // namespace twopass

@@ -44,22 +44,6 @@ Integrand integrand_over(const LightPolygon& polygon, const Receiver& receiver) 
   return f;
 }
 
-V3f uniform_point(const LightPolygon& polygon, const V2f& u) {
-  const auto& c = polygon.corner;
-  if (polygon.corners == 3) {
-    const V2f b = square_to_triangle(u);
-    return c[0] + (c[1] - c[0]) * b.x + (c[2] - c[0]) * b.y;
-  }
-  if (polygon.is_parallelogram) return c[0] + (c[1] - c[0]) * u.x + (c[3] - c[0]) * u.y;
-  // One of the two triangles on the diagonal from the first corner.
-  const float share = polygon.first_share;
-  const bool is_first = u.x < share;
-  const float x = is_first ? u.x / share : (u.x - share) / (1.0f - share);
-  const V2f b = square_to_triangle({std::min(x, 1.0f), u.y});
-  const V3f &p = c[is_first ? 1 : 2], &q = c[is_first ? 2 : 3];
-  return c[0] + (p - c[0]) * b.x + (q - c[0]) * b.y;
-}
-
 // The solid angle, projected or not, below which directions have too few digits for the techniques that draw
 // them: then points are drawn after all.
 constexpr double least_solid_angle = 1e-9;
@@ -79,14 +63,6 @@ PolygonTechnique choose(const LightPolygon& polygon, const Receiver& receiver, c
   return receiver.is_diffuse ? PolygonTechnique::projected : PolygonTechnique::solid_angle;
 }
 
-// From afar the integrand is even enough not to be looked at: what noise remains is less than what shadows and
-// the rest of the path have (measured in pictures, render/scene/README.md).
-bool is_far(const LightPolygon& polygon, const Receiver& receiver) {
-  constexpr float far_reach2 = 0.1f;  // distances of more than three times the reach
-  const V3f to_middle = polygon.middle - receiver.position;
-  return polygon.reach2 < far_reach2 * to_middle.dot(to_middle);
-}
-
 }  // namespace
 
 PolygonTechnique choose_technique(const LightPolygon& polygon, const Receiver& receiver) {
@@ -94,15 +70,13 @@ PolygonTechnique choose_technique(const LightPolygon& polygon, const Receiver& r
   return choose(polygon, receiver, integrand_over(polygon, receiver));
 }
 
-PolygonView::PolygonView(const LightPolygon& polygon, const Receiver& receiver)
-    : polygon_(polygon), receiver_(receiver), height_(-polygon.normal.dot(to_corner(0))) {
-  if (is_far(polygon, receiver)) return;
-  const Integrand f = integrand_over(polygon, receiver);
-  prepare(choose(polygon, receiver, f), f.corner);
+void PolygonView::prepare() {
+  const Integrand f = integrand_over(polygon_, receiver_);
+  prepare(choose(polygon_, receiver_, f), f.corner);
 }
 
 PolygonView::PolygonView(const LightPolygon& polygon, const Receiver& receiver, PolygonTechnique technique)
-    : polygon_(polygon), receiver_(receiver), height_(-polygon.normal.dot(to_corner(0))) {
+    : polygon_(polygon), receiver_(receiver), height_(height_over(polygon, receiver)) {
   prepare(technique, integrand_over(polygon, receiver).corner);
 }
 
@@ -145,44 +119,28 @@ PolygonView::Projected PolygonView::projected() const {
   return {frame, ProjectedPolygon({local.data(), static_cast<std::size_t>(polygon_.corners)})};
 }
 
-float PolygonView::pdf_w_of_area(float pdf_a, double distance) const {
-  return static_cast<float>(pdf_a * distance * distance * distance / std::abs(height_));
-}
-
-PolygonView::Point PolygonView::at(const V3f& position, float pdf_a) const {
-  const V3f to_light = position - receiver_.position;
-  const float distance = to_light.length();
-  if (!(distance > 0.0f)) return {position, V3f(0.0f, 0.0f, 1.0f), 0.0f};
-  return {position, to_light * (1.0f / distance), pdf_w_of_area(pdf_a, distance)};
-}
-
 PolygonView::Point PolygonView::towards(const V3d& direction, double pdf_w) const {
   const double distance = -height_ / direction.dot(polygon_.normal);
   return {V3f(V3d(receiver_.position) + direction * distance), V3f(direction), static_cast<float>(pdf_w)};
 }
 
-PolygonView::Point PolygonView::sample(const V2f& u) const {
+PolygonView::Point PolygonView::sample_near(const V2f& u) const {
   const auto& c = polygon_.corner;
-  if (height_ == 0.0) return {c[0], V3f(0.0f, 0.0f, 1.0f), 0.0f};
   if (const auto* weight = std::get_if<Bilinear>(&way_)) {
     const V2f p = square_to_bilinear(u, *weight);
-    return at(c[0] + (c[1] - c[0]) * p.x + (c[3] - c[0]) * p.y,
-              bilinear_pdf_a(p, *weight) / static_cast<float>(polygon_.area));
+    return at(c[0] + (c[1] - c[0]) * p.x + (c[3] - c[0]) * p.y, bilinear_pdf_a(p, *weight) * polygon_.pdf_a);
   }
   if (const auto* view = std::get_if<Projected>(&way_)) {
     const V3d w = view->polygon.sample(u);
     return towards(V3d(view->frame.s) * w.x + V3d(view->frame.t) * w.y + V3d(view->frame.n) * w.z,
                    w.z / view->polygon.area());
   }
-  if (const auto* view = std::get_if<SolidAngle>(&way_)) {
-    const double total = view->part[0] + view->part[1], wanted = u.x * total;
-    const int k = wanted < view->part[0] ? 0 : 1;
-    const double x = std::min(1.0, (wanted - (k == 0 ? 0.0 : view->part[0])) / view->part[k]);
-    return towards(
-        square_to_spherical_triangle(x, u.y, view->corner[0], view->corner[k + 1], view->corner[k + 2]),
-        1.0 / total);
-  }
-  return at(uniform_point(polygon_, u), static_cast<float>(1.0 / polygon_.area));
+  const auto& view = std::get<SolidAngle>(way_);
+  const double total = view.part[0] + view.part[1], wanted = u.x * total;
+  const int k = wanted < view.part[0] ? 0 : 1;
+  const double x = std::min(1.0, (wanted - (k == 0 ? 0.0 : view.part[0])) / view.part[k]);
+  return towards(square_to_spherical_triangle(x, u.y, view.corner[0], view.corner[k + 1], view.corner[k + 2]),
+                 1.0 / total);
 }
 
 float PolygonView::pdf_w(const V3f& direction, float distance) const {
@@ -190,7 +148,7 @@ float PolygonView::pdf_w(const V3f& direction, float distance) const {
   if (const auto* weight = std::get_if<Bilinear>(&way_)) {
     const V3f p = receiver_.position + direction * distance - polygon_.corner[0];
     const V2f s(std::clamp(p.dot(polygon_.dual1), 0.0f, 1.0f), std::clamp(p.dot(polygon_.dual2), 0.0f, 1.0f));
-    return pdf_w_of_area(bilinear_pdf_a(s, *weight) / static_cast<float>(polygon_.area), distance);
+    return pdf_w_of_area(bilinear_pdf_a(s, *weight) * polygon_.pdf_a, distance);
   }
   if (const auto* view = std::get_if<Projected>(&way_)) {
     const double cosine = direction.dot(receiver_.normal), area = view->polygon.area();
@@ -199,7 +157,7 @@ float PolygonView::pdf_w(const V3f& direction, float distance) const {
   if (const auto* view = std::get_if<SolidAngle>(&way_)) {
     return static_cast<float>(1.0 / (view->part[0] + view->part[1]));
   }
-  return pdf_w_of_area(static_cast<float>(1.0 / polygon_.area), distance);
+  return pdf_w_of_area(polygon_.pdf_a, distance);
 }
 
 }  // namespace twopass

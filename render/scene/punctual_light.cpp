@@ -1,6 +1,6 @@
 #include "render/scene/punctual_light.h"
 
-#include "render/scene/data_hash.h"
+#include "render/scene/texture_hash.h"
 
 namespace twopass {
 
@@ -48,8 +48,8 @@ Illumination illumination_of(const SpotLight& light, const V3f& receiver) {
   C3f intensity = light.intensity * falloff(light, std::atan2(std::hypot(local.x, local.y), local.z));
   if (light.texture && !is_black(intensity)) {
     const float scale = 0.5f / (local.z * std::tan(light.cutoff_angle));
-    intensity *= light.texture->lookup(
-        {std::clamp(0.5f + local.x * scale, 0.0f, 1.0f), std::clamp(0.5f + local.y * scale, 0.0f, 1.0f)});
+    intensity *= color_at(*light.texture, V2f(std::clamp(0.5f + local.x * scale, 0.0f, 1.0f),
+                                              std::clamp(0.5f + local.y * scale, 0.0f, 1.0f)));
   }
   return way.carrying(intensity);
 }
@@ -58,21 +58,17 @@ Illumination illumination_of(const DirectionalLight& light, const V3f&) {
   return {-light.direction, infinity_f, light.irradiance};
 }
 
-float aspect(const LightTexture& texture) {
-  return static_cast<float>(texture.width()) / static_cast<float>(texture.height());
-}
-
 Illumination illumination_of(const Projector& light, const V3f& receiver) {
   const Way way = way_to(light.frame.position, receiver);
   const V3f local = light.frame.local(-way.direction);
   const float cosine = -light.frame.forward.dot(way.direction);
   if (!(local.z > 0.0f && cosine > 0.0f)) return way.carrying(C3f(0.0f));
   const float scale = 0.5f / (local.z * light.tan_half_fov);
-  const V2f uv(0.5f - local.x * scale, 0.5f - local.y * scale * aspect(*light.texture));
+  const V2f uv(0.5f - local.x * scale, 0.5f - local.y * scale * aspect_of(*light.texture));
   const bool is_inside = uv.x >= 0.0f && uv.x <= 1.0f && uv.y >= 0.0f && uv.y <= 1.0f;
   if (!is_inside) return way.carrying(C3f(0.0f));
   // (L21) with the local z of the receiver as distance times the local z of the direction.
-  return way.carrying(light.texture->lookup(uv) * (light.scale * pi_f / (local.z * local.z * cosine)));
+  return way.carrying(color_at(*light.texture, uv) * (light.scale * pi_f / (local.z * local.z * cosine)));
 }
 
 double power_of(const PointLight& light, double) {
@@ -83,7 +79,7 @@ double power_of(const SpotLight& light, double) {
   // The integral of (L20) over the cone.
   const double b = light.beam_width, c = light.cutoff_angle;
   const double slope = c > b ? (std::sin(c) - std::sin(b)) / (c - b) : std::cos(c);
-  const C3f factor = light.texture ? light.texture->mean() : C3f(1.0f);
+  const C3f factor = light.texture ? mean_color(*light.texture) : C3f(1.0f);
   return 2.0 * pi * (1.0 - slope) * mean_component(light.intensity * factor);
 }
 
@@ -93,8 +89,8 @@ double power_of(const DirectionalLight& light, double scene_radius) {
 
 double power_of(const Projector& light, double) {
   // The irradiance of the plane z = 1 is pi times the texture (L21).
-  const double half = light.tan_half_fov, area = 4.0 * half * half / aspect(*light.texture);
-  return pi * area * light.scale * mean_component(light.texture->mean());
+  const double half = light.tan_half_fov, area = 4.0 * half * half / aspect_of(*light.texture);
+  return pi * area * light.scale * mean_component(mean_color(*light.texture));
 }
 
 void add(DataHash& hash, const LightFrame& frame) {
@@ -103,11 +99,9 @@ void add(DataHash& hash, const LightFrame& frame) {
   hash.add(frame.forward);
 }
 
-void add(DataHash& hash, const LightTexture* texture) {
+void add(DataHash& hash, const Texture* texture) {
   hash.add(std::uint64_t{texture != nullptr});
-  if (!texture) return;
-  hash.add(static_cast<std::uint64_t>(texture->width()));
-  for (const C3f& color : texture->pixels()) hash.add(color);
+  if (texture) add_texture(hash, *texture);
 }
 
 void add(DataHash& hash, const PointLight& light) {

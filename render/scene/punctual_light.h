@@ -6,7 +6,7 @@
 
 #include "render/core/types.h"
 #include "render/scene/ies_profile.h"
-#include "render/scene/light_texture.h"
+#include "materials/texture.h"
 
 namespace twopass {
 
@@ -39,7 +39,7 @@ struct SpotLight {
   C3f intensity{1.0f};                            ///< W/sr, inside of the beam
   float cutoff_angle = 20.0f * pi_f / 180.0f;     ///< from the axis to darkness, radians, below a right angle
   float beam_width = 15.0f * pi_f / 180.0f;       ///< from the axis to where it begins to fade; <= cutoff_angle
-  std::shared_ptr<const LightTexture> texture{};  ///< factors, projected to fill the cone; may be null
+  std::shared_ptr<const Texture> texture{};  ///< factors, projected to fill the cone; may be null
 };
 
 /// Light from infinitely far away, from one direction.
@@ -51,7 +51,7 @@ struct DirectionalLight {
 /// Throws a picture like a slide projector, as Mitsuba's `projector` (L21).
 struct Projector {
   LightFrame frame;                             ///< the picture's right is local -x, its top local +y
-  std::shared_ptr<const LightTexture> texture;  ///< never null
+  std::shared_ptr<const Texture> texture;  ///< never null
   float scale = 1.0f;
   float tan_half_fov = 0.41421356f;  ///< of half the horizontal field of view
 };

@@ -22,9 +22,9 @@ struct Segment {
 /// The nearest intersection, in the ray caster's terms.
 struct Hit {
   std::uint32_t shape = no_index;  ///< no_index: the ray escaped
-  std::uint32_t primitive = 0;     ///< triangle of the mesh; 0 for a sphere
+  std::uint32_t primitive = 0;     ///< triangle of the mesh; 0 for an analytic surface
   float t = infinity_f;            ///< distance in units of the direction's length
-  float u = 0.0f, v = 0.0f;  ///< barycentric coordinates of the triangle's corners 1 and 2; unused for a sphere
+  float u = 0.0f, v = 0.0f;  ///< barycentric coordinates of the triangle's corners 1 and 2; 0 elsewhere
   [[nodiscard]] bool escaped() const { return shape == no_index; }
 };
 
@@ -41,6 +41,9 @@ struct SurfacePoint {
   /// them.
   V2f uv;
   V3f dp_du, dp_dv;
+  /// Width of the beam that textures are looked at through; 0: a ray.
+  float beam_width = 0.0f;
+  [[nodiscard]] TexturePoint where() const { return {uv, V2f(0.0f, 0.0f), {primitive, {u, v}}}; }
   /// Of (M30), with the shading normal before it was perturbed; 0 where it was not.
   float terminator = 0.0f;
   V3f unperturbed_normal;

@@ -1,8 +1,10 @@
 #include "render/scene/ray_caster.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <map>
 #include <string>
 #include <type_traits>
 
@@ -22,9 +24,11 @@ namespace {
 // Embree builds with asserts abort on rays that are not finite or start further out than this.
 constexpr float largest_coordinate = 1e18f;
 
-bool is_valid(const V3f& v) {  // false for NaN, too
-  return std::abs(v.x) < largest_coordinate && std::abs(v.y) < largest_coordinate &&
-         std::abs(v.z) < largest_coordinate;
+// One sum, which is not a number or too large if any coordinate is.
+bool is_valid(const V3f& origin, const V3f& direction) {
+  return std::abs(origin.x) + std::abs(origin.y) + std::abs(origin.z) + std::abs(direction.x) +
+             std::abs(direction.y) + std::abs(direction.z) <
+         largest_coordinate;
 }
 
 template <int N>
@@ -47,11 +51,14 @@ void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, 
     rtcIntersect8(valid, scene, &packet, &arguments);
 }
 template <int N>
-void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet) {
+void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet, bool coherent) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   if constexpr (N == 16)
-    rtcOccluded16(valid, scene, &packet, nullptr);
+    rtcOccluded16(valid, scene, &packet, &arguments);
   else
-    rtcOccluded8(valid, scene, &packet, nullptr);
+    rtcOccluded8(valid, scene, &packet, &arguments);
 }
 #else
 struct Context : RTCIntersectContext {
@@ -77,8 +84,8 @@ void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, 
     rtcIntersect8(valid, scene, &context, &packet);
 }
 template <int N>
-void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet) {
-  Context context;
+void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet, bool coherent) {
+  Context context(coherent);
   if constexpr (N == 16)
     rtcOccluded16(valid, scene, &context, &packet);
   else
@@ -104,62 +111,101 @@ void put(PacketRay<N>& rays, std::size_t lane, const V3f& origin, const V3f& dir
   rays.dir_x[lane] = direction.x, rays.dir_y[lane] = direction.y, rays.dir_z[lane] = direction.z;
 }
 
+// What is the same in all packets, and is left alone by Embree.
+template <int N>
+void set_constants(PacketRay<N>& rays) {
+  std::fill_n(rays.tnear, N, 0.0f);
+  std::fill_n(rays.time, N, 0.0f);
+  std::fill_n(rays.mask, N, 0xffffffffu);
+  std::fill_n(rays.id, N, 0u);
+  std::fill_n(rays.flags, N, 0u);
+}
+
 // What remains to be set when `count` rays have been put in. Lanes that are empty, or hold what Embree must not
 // see, are switched off and get a harmless ray. Plain loops over arrays, for vector instructions.
 template <int N>
 void finish(PacketRay<N>& rays, int* valid, std::size_t count, float t_far) {
   const V3f zero(0.0f), up(0.0f, 0.0f, 1.0f);
   for (std::size_t lane = count; lane < N; ++lane) put<N>(rays, lane, zero, up);
-  const auto fits = [](float x) { return static_cast<int>(std::abs(x) < largest_coordinate); };
-  for (std::size_t i = 0; i < N; ++i)
-    valid[i] = -(fits(rays.org_x[i]) & fits(rays.org_y[i]) & fits(rays.org_z[i]) & fits(rays.dir_x[i]) &
-                 fits(rays.dir_y[i]) & fits(rays.dir_z[i]));
-  for (std::size_t lane = 0; lane < count; ++lane)
-    if (valid[lane] == 0) put<N>(rays, lane, zero, up);
-  std::fill(valid + count, valid + N, 0);
-  std::fill_n(rays.tnear, N, 0.0f);
-  std::fill_n(rays.time, N, 0.0f);
-  std::fill_n(rays.tfar, N, t_far);
-  std::fill_n(rays.mask, N, 0xffffffffu);
-  std::fill_n(rays.id, N, 0u);
-  std::fill_n(rays.flags, N, 0u);
+  int all = -1;
+  for (std::size_t i = 0; i < N; ++i) {
+    valid[i] =
+        is_valid({rays.org_x[i], rays.org_y[i], rays.org_z[i]}, {rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]})
+            ? -1
+            : 0;
+    all &= valid[i];
+    rays.tfar[i] = t_far;
+  }
+  if (all == 0) [[unlikely]]
+    for (std::size_t lane = 0; lane < count; ++lane)
+      if (valid[lane] == 0) put<N>(rays, lane, zero, up);
+  for (std::size_t lane = count; lane < N; ++lane) valid[lane] = 0;
 }
 
 // The rounding of `direction` moves the end of a segment by some units in the last place of the whole length.
 constexpr float segment_end = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
 
-// The nearest distance within (tnear, tfar) at which the ray of a packet meets the sphere; false if there is
+// The distances at which the line meets an analytic surface, ascending, the farther ones again if there are
+// fewer than two. False: it misses.
+bool meet(const Sphere& sphere, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
+  return intersect_sphere(sphere, origin, direction, t[0], t[1]);
+}
+bool meet(const Disk& disk, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
+  V2d at;
+  if (!intersect_disk(disk, origin, direction, t[0], at)) return false;
+  t[1] = t[0];
+  return true;
+}
+bool meet(const Cylinder& cylinder, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
+  std::array<double, 2> along;
+  if (!intersect_cylinder(cylinder, origin, direction, t, along)) return false;
+  const bool hits_near = along[0] >= 0.0 && along[0] <= 1.0, hits_far = along[1] >= 0.0 && along[1] <= 1.0;
+  if (!hits_near) t[0] = t[1];
+  if (!hits_far) t[1] = t[0];
+  return hits_near || hits_far;
+}
+
+// The nearest distance within (tnear, tfar) at which the ray of a packet meets the surface; false if there is
 // none.
-bool nearest_in_range(const Sphere& sphere, RTCRayN* rays, unsigned n, unsigned lane, float& t) {
+template <class Surface>
+bool nearest_in_range(const Surface& surface, RTCRayN* rays, unsigned n, unsigned lane, float& t) {
   const V3f origin(RTCRayN_org_x(rays, n, lane), RTCRayN_org_y(rays, n, lane), RTCRayN_org_z(rays, n, lane));
   const V3f direction(RTCRayN_dir_x(rays, n, lane), RTCRayN_dir_y(rays, n, lane), RTCRayN_dir_z(rays, n, lane));
-  double near, far;
-  if (!intersect_sphere(sphere, origin, direction, near, far)) return false;
-  for (const double candidate : {near, far}) {
+  std::array<double, 2> met;
+  if (!meet(surface, origin, direction, met)) return false;
+  for (const double candidate : met) {
     t = static_cast<float>(candidate);
     if (t > RTCRayN_tnear(rays, n, lane) && t < RTCRayN_tfar(rays, n, lane)) return true;
   }
   return false;
 }
 
-const Sphere& sphere_of(void* user_data) { return *static_cast<const Sphere*>(user_data); }
+template <class Surface>
+const Surface& surface_of(void* user_data) {
+  return *static_cast<const Surface*>(user_data);
+}
 
-void sphere_bounds(const RTCBoundsFunctionArguments* args) {
-  const Sphere& sphere = sphere_of(args->geometryUserPtr);
-  const float r = sphere.radius + rounding_offset(sphere);
-  args->bounds_o->lower_x = sphere.center.x - r, args->bounds_o->upper_x = sphere.center.x + r;
-  args->bounds_o->lower_y = sphere.center.y - r, args->bounds_o->upper_y = sphere.center.y + r;
-  args->bounds_o->lower_z = sphere.center.z - r, args->bounds_o->upper_z = sphere.center.z + r;
+template <class Surface>
+void surface_bounds(const RTCBoundsFunctionArguments* args) {
+  const auto& surface = surface_of<Surface>(args->geometryUserPtr);
+  const V3f margin(rounding_offset(surface));
+  const Box3f box = box_of(surface);
+  const V3f lower = box.min - margin, upper = box.max + margin;
+  args->bounds_o->lower_x = lower.x, args->bounds_o->upper_x = upper.x;
+  args->bounds_o->lower_y = lower.y, args->bounds_o->upper_y = upper.y;
+  args->bounds_o->lower_z = lower.z, args->bounds_o->upper_z = upper.z;
 }
 
 // Single rays are packets of one.
-void sphere_intersect(const RTCIntersectFunctionNArguments* args) {
+template <class Surface>
+void surface_intersect(const RTCIntersectFunctionNArguments* args) {
   const unsigned n = args->N;
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
   for (unsigned lane = 0; lane < n; ++lane) {
     float t;
-    if (args->valid[lane] == 0 || !nearest_in_range(sphere_of(args->geometryUserPtr), rays, n, lane, t))
+    if (args->valid[lane] == 0 ||
+        !nearest_in_range(surface_of<Surface>(args->geometryUserPtr), rays, n, lane, t))
       continue;
     RTCRayN_tfar(rays, n, lane) = t;
     RTCHitN_geomID(hits, n, lane) = args->geomID;
@@ -169,58 +215,68 @@ void sphere_intersect(const RTCIntersectFunctionNArguments* args) {
   }
 }
 
-void sphere_occluded(const RTCOccludedFunctionNArguments* args) {
+template <class Surface>
+void surface_occluded(const RTCOccludedFunctionNArguments* args) {
   for (unsigned lane = 0; lane < args->N; ++lane) {
     float t;
     if (args->valid[lane] != 0 &&
-        nearest_in_range(sphere_of(args->geometryUserPtr), args->ray, args->N, lane, t))
+        nearest_in_range(surface_of<Surface>(args->geometryUserPtr), args->ray, args->N, lane, t))
       RTCRayN_tfar(args->ray, args->N, lane) = -infinity_f;
   }
 }
 
-// Cuts `count` queries into packets: calls body(width, first, count of the packet), width an integral constant.
-template <class Body>
-void for_packets(int width, std::size_t count, const Body& body) {
-  for (std::size_t first = 0; first < count;) {
-    const std::size_t in_packet = std::min(count - first, static_cast<std::size_t>(width));
-    // A packet that is not half full is slower than its rays one by one.
-    if (width == 1 || 2 * in_packet < static_cast<std::size_t>(width)) {
-      body(std::integral_constant<int, 1>{}, first++, std::size_t{1});
-      continue;
-    }
-    if (width == 16)
-      body(std::integral_constant<int, 16>{}, first, in_packet);
-    else
-      body(std::integral_constant<int, 8>{}, first, in_packet);
-    first += in_packet;
-  }
+// Instances know which shapes of theirs was hit: the shapes of one instance follow each other.
+std::uint32_t shape_of(std::uint32_t instance, std::uint32_t geometry) {
+  return instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance + geometry;
 }
 
-// Scattered rays sorted by octant may be cast as coherent ones, which pays where the whole tree is a few nodes:
-// in the Cornell box the second edge takes half the time, and whole paths a few per cent less; a conference
-// room of 330 thousand triangles is a third slower.
+// The number of queries that the next packet takes of `left`; 1: that one alone, because a packet that is not
+// half full is slower than its rays one by one.
+template <int N>
+std::size_t next_packet(std::size_t left) {
+  return 2 * left < N ? 1 : std::min<std::size_t>(left, N);
+}
+
+// Scattered and shadow rays sorted by octant may be cast as coherent ones, which pays where the whole tree is a
+// few nodes: in the Cornell box the second edge takes half the time, shadow rays a few per cent less; a
+// conference room of 330 thousand triangles is a third slower.
 constexpr std::size_t most_triangles_sorted = 1000;
 
-// An order of rays; by_octant() is that of the octants of their directions.
+// An order of queries; by_octant() is that of the octants of their directions.
 constexpr std::size_t most_sorted = 256;
 using Order = std::array<std::uint8_t, most_sorted>;
-Order by_octant(std::span<const Ray> rays) {
+const V3f& direction_of(const Ray& ray) { return ray.direction; }
+V3f direction_of(const Segment& segment) { return segment.to - segment.from; }
+template <class Query>
+Order by_octant(std::span<const Query> queries) {
   Order octant;
   std::array<std::uint32_t, 9> begin{};
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const V3f& d = rays[i].direction;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const V3f& d = direction_of(queries[i]);
     octant[i] = static_cast<std::uint8_t>((d.x < 0.0f) + 2 * (d.y < 0.0f) + 4 * (d.z < 0.0f));
     ++begin[octant[i] + 1u];
   }
   for (std::size_t k = 1; k < 8; ++k) begin[k] += begin[k - 1];
   Order order;
-  for (std::size_t i = 0; i < rays.size(); ++i) order[begin[octant[i]]++] = static_cast<std::uint8_t>(i);
+  for (std::size_t i = 0; i < queries.size(); ++i) order[begin[octant[i]]++] = static_cast<std::uint8_t>(i);
   return order;
 }
 Order as_given() {
   Order order;
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint8_t>(i);
   return order;
+}
+
+// Calls body(queries, order, results) for as many of them at a time as can be sorted.
+template <class Query, class Result, class Body>
+void in_order(std::span<const Query> queries, std::span<Result> results, bool sorted, const Body& body) {
+  while (!queries.empty()) {
+    const auto some = queries.first(std::min(queries.size(), most_sorted));
+    const Order order = sorted ? by_octant(some) : as_given();
+    body(some, std::span(order).first(some.size()), results);
+    queries = queries.subspan(some.size());
+    results = results.subspan(some.size());
+  }
 }
 
 }  // namespace
@@ -232,8 +288,11 @@ struct RayCaster::Impl {
   int packet_width = 1;  // that the processor has instructions for
   std::atomic<std::int64_t> bytes{0};
 
+  std::map<std::vector<const Mesh*>, RTCScene> groups;  // what is instanced
+
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
+    for (const auto& [meshes, group] : groups) rtcReleaseScene(group);
     if (device) rtcReleaseDevice(device);
   }
   void check(const char* what) const {
@@ -246,13 +305,13 @@ struct RayCaster::Impl {
                 std::string("Embree failed while ") + what + " (error " + std::to_string(code) + ")",
                 "check that the scene's coordinates are of reasonable size");
   }
-  void attach(RTCGeometry geometry, std::uint32_t id) {
+  static void attach(RTCScene to, RTCGeometry geometry, std::uint32_t id) {
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene, geometry, id);
+    rtcAttachGeometryByID(to, geometry, id);
     rtcReleaseGeometry(geometry);
   }
-  void add_mesh(const Mesh& mesh, std::uint32_t id) {
-    triangles += mesh.triangles.size();
+  void add_mesh(RTCScene to, const Mesh& mesh, std::uint32_t id) {
+    if (mesh.triangles.empty()) return;
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Vertices are copied (Embree reads past the last one), indices are shared.
     void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -261,58 +320,157 @@ struct RayCaster::Impl {
     std::memcpy(vertices, static_cast<const void*>(mesh.positions.data()), mesh.positions.size() * sizeof(V3f));
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                                sizeof(V3u), mesh.triangles.size());
-    attach(geometry, id);
+    attach(to, geometry, id);
   }
-  void add_sphere(const Sphere& sphere, std::uint32_t id) {
+  template <class Surface>
+  void add_surface(const Surface& surface, std::uint32_t id) {
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, 1);
-    rtcSetGeometryUserData(geometry, const_cast<Sphere*>(&sphere));
-    rtcSetGeometryBoundsFunction(geometry, sphere_bounds, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, sphere_intersect);
-    rtcSetGeometryOccludedFunction(geometry, sphere_occluded);
-    attach(geometry, id);
+    rtcSetGeometryUserData(geometry, const_cast<Surface*>(&surface));
+    rtcSetGeometryBoundsFunction(geometry, surface_bounds<Surface>, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, surface_intersect<Surface>);
+    rtcSetGeometryOccludedFunction(geometry, surface_occluded<Surface>);
+    attach(scene, geometry, id);
   }
-  // Packets of `rays[order[i]]`, or of `segments`.
+  RTCScene new_scene() const {
+    const RTCScene made = rtcNewScene(device);
+    rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST);
+    return made;
+  }
+  // One instance of several meshes: the shapes from `id` on.
+  void add_instance(const std::vector<const Mesh*>& meshes, const Placement& to_world, std::uint32_t id) {
+    RTCScene& group = groups[meshes];
+    if (!group) {
+      group = new_scene();
+      for (std::uint32_t k = 0; k < meshes.size(); ++k) add_mesh(group, *meshes[k], k);
+      rtcCommitScene(group);
+      check("building the acceleration structure of a group");
+    }
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, group);
+    rtcSetGeometryTimeStepCount(geometry, 1);
+    std::array<float, 12> columns;
+    std::size_t next = 0;
+    for (const V3f& column : {to_world.x, to_world.y, to_world.z, to_world.origin})
+      for (int row = 0; row < 3; ++row) columns[next++] = column[row];
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+    attach(scene, geometry, id);
+  }
+  // Adds the shape of this number, or all of its instance. Returns the number after them.
+  std::uint32_t add(std::span<const Shape> shapes, std::uint32_t id) {
+    const Geometry& geometry = shapes[id].geometry;
+    const auto* instance = std::get_if<MeshInstance>(&geometry);
+    if (!instance) {
+      std::visit(
+          [&]<class Kind>(const Kind& kind) {
+            if constexpr (std::is_same_v<Kind, Mesh>) {
+              triangles += kind.triangles.size();
+              add_mesh(scene, kind, id);
+            } else if constexpr (!std::is_same_v<Kind, MeshInstance>) {
+              add_surface(kind, id);
+            }
+          },
+          geometry);
+      return id + 1;
+    }
+    std::vector<const Mesh*> meshes;
+    std::uint32_t next = id;
+    for (; next < shapes.size(); ++next) {
+      const auto* other = std::get_if<MeshInstance>(&shapes[next].geometry);
+      // The same mesh again in the same place is another instance: groups stay as they were made.
+      if (!other || other->to_world != instance->to_world || std::ranges::count(meshes, other->mesh.get()) > 0)
+        break;
+      meshes.push_back(other->mesh.get());
+      triangles += other->mesh->triangles.size();
+    }
+    add_instance(meshes, instance->to_world, id);
+    return next;
+  }
+  [[nodiscard]] Hit intersect(const Ray& ray) const;
+  [[nodiscard]] bool occluded(const V3f& from, const V3f& to) const;
+  // In packets of N, in the given order.
   template <int N>
   void intersect(std::span<const Ray> rays, std::span<const std::uint8_t> order, std::span<Hit> hits,
                  bool coherent) const;
   template <int N>
-  void occluded(std::span<const Segment> segments, bool* results) const;
+  void occluded(std::span<const Segment> segments, std::span<const std::uint8_t> order, std::span<bool> results,
+                bool coherent) const;
 };
+
+Hit RayCaster::Impl::intersect(const Ray& ray) const {
+  Hit hit;
+  if (!is_valid(ray.origin, ray.direction)) return hit;
+  RTCRayHit query;
+  set_ray(query.ray, ray.origin, ray.direction, infinity_f);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  query_intersect(scene, query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+  return {shape_of(query.hit.instID[0], query.hit.geomID), query.hit.primID, query.ray.tfar, query.hit.u,
+          query.hit.v};
+}
+
+bool RayCaster::Impl::occluded(const V3f& from, const V3f& to) const {
+  const V3f direction = to - from;
+  if (!is_valid(from, direction)) return true;
+  RTCRay ray;
+  set_ray(ray, from, direction, segment_end);
+  query_occluded(scene, ray);
+  return ray.tfar < 0.0f;
+}
 
 template <int N>
 void RayCaster::Impl::intersect(std::span<const Ray> rays, std::span<const std::uint8_t> order,
                                 std::span<Hit> hits, bool coherent) const {
   alignas(64) int valid[N];
   PacketRayHit<N> packet;
-  for (std::size_t lane = 0; lane < order.size(); ++lane)
-    put<N>(packet.ray, lane, rays[order[lane]].origin, rays[order[lane]].direction);
-  finish<N>(packet.ray, valid, order.size(), infinity_f);
-  std::fill_n(packet.hit.geomID, N, RTC_INVALID_GEOMETRY_ID);
-  std::fill_n(packet.hit.instID[0], N, RTC_INVALID_GEOMETRY_ID);
-  query_intersect<N>(scene, valid, packet, coherent);
-  for (std::size_t lane = 0; lane < order.size(); ++lane) {
-    Hit& hit = hits[order[lane]];
-    hit = {};
-    if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-    hit.shape = packet.hit.geomID[lane];
-    hit.primitive = packet.hit.primID[lane];
-    hit.t = packet.ray.tfar[lane];
-    hit.u = packet.hit.u[lane];
-    hit.v = packet.hit.v[lane];
+  set_constants<N>(packet.ray);
+  while (!order.empty()) {
+    const std::size_t count = next_packet<N>(order.size());
+    if (count == 1) {
+      hits[order[0]] = intersect(rays[order[0]]);
+      order = order.subspan(1);
+      continue;
+    }
+    for (std::size_t lane = 0; lane < count; ++lane)
+      put<N>(packet.ray, lane, rays[order[lane]].origin, rays[order[lane]].direction);
+    finish<N>(packet.ray, valid, count, infinity_f);
+    std::fill_n(packet.hit.geomID, N, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(packet.hit.instID[0], N, RTC_INVALID_GEOMETRY_ID);
+    query_intersect<N>(scene, valid, packet, coherent);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const std::uint32_t geometry = packet.hit.geomID[lane];
+      Hit& hit = hits[order[lane]];
+      hit = {};
+      if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
+      hit = {shape_of(packet.hit.instID[0][lane], geometry), packet.hit.primID[lane], packet.ray.tfar[lane],
+             packet.hit.u[lane], packet.hit.v[lane]};
+    }
+    order = order.subspan(count);
   }
 }
 
 template <int N>
-void RayCaster::Impl::occluded(std::span<const Segment> segments, bool* results) const {
+void RayCaster::Impl::occluded(std::span<const Segment> segments, std::span<const std::uint8_t> order,
+                               std::span<bool> results, bool coherent) const {
   alignas(64) int valid[N];
   PacketRay<N> packet;
-  for (std::size_t lane = 0; lane < segments.size(); ++lane)
-    put<N>(packet, lane, segments[lane].from, segments[lane].to - segments[lane].from);
-  finish<N>(packet, valid, segments.size(), segment_end);
-  query_occluded<N>(scene, valid, packet);
-  for (std::size_t lane = 0; lane < segments.size(); ++lane)
-    results[lane] = (valid[lane] == 0) | (packet.tfar[lane] < 0.0f);
+  set_constants<N>(packet);
+  while (!order.empty()) {
+    const std::size_t count = next_packet<N>(order.size());
+    if (count == 1) {
+      results[order[0]] = occluded(segments[order[0]].from, segments[order[0]].to);
+      order = order.subspan(1);
+      continue;
+    }
+    for (std::size_t lane = 0; lane < count; ++lane)
+      put<N>(packet, lane, segments[order[lane]].from, direction_of(segments[order[lane]]));
+    finish<N>(packet, valid, count, segment_end);
+    query_occluded<N>(scene, valid, packet, coherent);
+    for (std::size_t lane = 0; lane < count; ++lane)
+      results[order[lane]] = (valid[lane] == 0) | (packet.tfar[lane] < 0.0f);
+    order = order.subspan(count);
+  }
 }
 
 RayCaster::RayCaster(std::span<const Shape> shapes) : impl_(std::make_unique<Impl>()) {
@@ -329,70 +487,40 @@ RayCaster::RayCaster(std::span<const Shape> shapes) : impl_(std::make_unique<Imp
     impl_->packet_width = 16;
   else if (rtcGetDeviceProperty(impl_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0)
     impl_->packet_width = 8;
-  impl_->scene = rtcNewScene(impl_->device);
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
-  for (std::uint32_t id = 0; id < shapes.size(); ++id) {
-    if (const auto* mesh = std::get_if<Mesh>(&shapes[id].geometry)) {
-      if (!mesh->triangles.empty()) impl_->add_mesh(*mesh, id);
-    } else {
-      impl_->add_sphere(std::get<Sphere>(shapes[id].geometry), id);
-    }
-  }
+  impl_->scene = impl_->new_scene();
+  for (std::uint32_t id = 0; id < shapes.size();) id = impl_->add(shapes, id);
   rtcCommitScene(impl_->scene);
   impl_->check("building the acceleration structure");
 }
 
 RayCaster::~RayCaster() = default;
 
-Hit RayCaster::intersect(const Ray& ray) const {
-  Hit hit;
-  if (!is_valid(ray.origin) || !is_valid(ray.direction)) return hit;
-  RTCRayHit query;
-  set_ray(query.ray, ray.origin, ray.direction, infinity_f);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  query_intersect(impl_->scene, query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-  hit.shape = query.hit.geomID;
-  hit.primitive = query.hit.primID;
-  hit.t = query.ray.tfar;
-  hit.u = query.hit.u;
-  hit.v = query.hit.v;
-  return hit;
-}
+Hit RayCaster::intersect(const Ray& ray) const { return impl_->intersect(ray); }
 
-bool RayCaster::occluded(const V3f& from, const V3f& to) const {
-  const V3f direction = to - from;
-  if (!is_valid(from) || !is_valid(direction)) return true;
-  RTCRay ray;
-  set_ray(ray, from, direction, segment_end);
-  query_occluded(impl_->scene, ray);
-  return ray.tfar < 0.0f;
-}
+bool RayCaster::occluded(const V3f& from, const V3f& to) const { return impl_->occluded(from, to); }
 
 void RayCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits, Rays kind) const {
   const bool sorted = kind == Rays::scattered && impl_->triangles <= most_triangles_sorted;
   const bool coherent = kind == Rays::coherent || sorted;
-  while (!rays.empty()) {
-    const auto some = rays.first(std::min(rays.size(), most_sorted));
-    const Order order = sorted ? by_octant(some) : as_given();
-    for_packets(impl_->packet_width, some.size(), [&](auto width, std::size_t first, std::size_t count) {
-      if constexpr (width == 1)
-        hits[order[first]] = intersect(some[order[first]]);
-      else
-        impl_->intersect<width>(some, std::span(order).subspan(first, count), hits, coherent);
-    });
-    rays = rays.subspan(some.size());
-    hits = hits.subspan(some.size());
-  }
+  in_order(rays, hits, sorted, [&](auto some, auto order, auto results) {
+    if (impl_->packet_width == 16)
+      impl_->intersect<16>(some, order, results, coherent);
+    else if (impl_->packet_width == 8)
+      impl_->intersect<8>(some, order, results, coherent);
+    else
+      for (std::size_t i = 0; i < some.size(); ++i) results[i] = impl_->intersect(some[i]);
+  });
 }
 
 void RayCaster::occluded(std::span<const Segment> segments, std::span<bool> results) const {
-  for_packets(impl_->packet_width, segments.size(), [&](auto width, std::size_t first, std::size_t count) {
-    if constexpr (width == 1)
-      results[first] = occluded(segments[first].from, segments[first].to);
+  const bool sorted = impl_->triangles <= most_triangles_sorted;
+  in_order(segments, results, sorted, [&](auto some, auto order, auto blocked) {
+    if (impl_->packet_width == 16)
+      impl_->occluded<16>(some, order, blocked, sorted);
+    else if (impl_->packet_width == 8)
+      impl_->occluded<8>(some, order, blocked, sorted);
     else
-      impl_->occluded<width>(segments.subspan(first, count), &results[first]);
+      for (std::size_t i = 0; i < some.size(); ++i) blocked[i] = impl_->occluded(some[i].from, some[i].to);
   });
 }
 

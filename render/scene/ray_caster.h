@@ -19,7 +19,8 @@ enum class Rays {
 /// An acceleration structure over shapes. Const and thread-safe once built.
 class RayCaster {
  public:
-  /// REQUIRES: the shapes outlive the caster (spheres are read from them); meshes valid and finite.
+  /// Meshes that instances share are stored once. REQUIRES: the shapes outlive the caster (analytic ones are
+  /// read from them); meshes valid and finite.
   /// Throws Error when Embree cannot build.
   explicit RayCaster(std::span<const Shape> shapes);
   ~RayCaster();

@@ -1,57 +1,152 @@
 #include "render/scene/scene.h"
 
 #include <algorithm>
+#include <type_traits>
+#include <unordered_map>
 
 #include "render/scene/parametrization.h"
 
 namespace twopass {
 
-Box3f bounds_of(std::span<const Shape> shapes) {
+namespace {
+
+Box3f box_of_positions(const Mesh& mesh) {
   Box3f box;
-  for (const Shape& shape : shapes) {
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-      for (const V3f& p : mesh->positions) box.extendBy(p);
-    } else {
-      const Sphere& sphere = std::get<Sphere>(shape.geometry);
-      box.extendBy(sphere.center - V3f(sphere.radius));
-      box.extendBy(sphere.center + V3f(sphere.radius));
-    }
-  }
+  for (const V3f& p : mesh.positions) box.extendBy(p);
   return box;
 }
 
-std::vector<std::vector<Scene::Face>> Scene::faces_of(std::span<const Shape> shapes) {
-  std::vector<std::vector<Face>> faces(shapes.size());
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    const auto* mesh = std::get_if<Mesh>(&shapes[s].geometry);
-    if (!mesh) continue;
-    faces[s].resize(mesh->triangles.size());
-    for (std::uint32_t i = 0; i < mesh->triangles.size(); ++i) {
+// The box around the placed box around the mesh, whose own is found once.
+class InstanceBoxes {
+ public:
+  Box3f operator()(const MeshInstance& instance) {
+    const auto [entry, is_new] = known_.try_emplace(instance.mesh.get());
+    if (is_new) entry->second = box_of_positions(*instance.mesh);
+    const Box3f& local = entry->second;
+    Box3f box;
+    if (local.isEmpty()) return box;
+    for (int corner = 0; corner < 8; ++corner)
+      box.extendBy(instance.to_world.point(V3f((corner & 1 ? local.max : local.min).x,
+                                               (corner & 2 ? local.max : local.min).y,
+                                               (corner & 4 ? local.max : local.min).z)));
+    return box;
+  }
+
+ private:
+  std::unordered_map<const Mesh*, Box3f> known_;
+};
+
+}  // namespace
+
+Box3f bounds_of(std::span<const Shape> shapes) {
+  Box3f bounds;
+  InstanceBoxes box_of_instance;
+  for (const Shape& shape : shapes)
+    bounds.extendBy(std::visit(
+        [&]<class Kind>(const Kind& kind) {
+          if constexpr (std::is_same_v<Kind, Mesh>)
+            return box_of_positions(kind);
+          else if constexpr (std::is_same_v<Kind, MeshInstance>)
+            return box_of_instance(kind);
+          else
+            return box_of(kind);
+        },
+        shape.geometry));
+  return bounds;
+}
+
+void Scene::find_faces() {
+  std::unordered_map<const Mesh*, std::size_t> known;
+  std::vector<std::size_t> list;  // by shape
+  for (const Shape& shape : shapes()) {
+    const Mesh* mesh = mesh_of(shape.geometry);
+    const auto [entry, is_new] = known.try_emplace(mesh, face_lists_.size());
+    list.push_back(entry->second);
+    if (!is_new) continue;
+    std::vector<Face>& faces = face_lists_.emplace_back();
+    for (std::uint32_t i = 0; mesh && i < mesh->triangles.size(); ++i) {
       const auto p = corners(*mesh, i);
       const float offset = rounding_offset(p);
-      faces[s][i] = {unit((p[1] - p[0]).cross(p[2] - p[0])), offset, near_edge(p, offset)};
+      faces.push_back({unit((p[1] - p[0]).cross(p[2] - p[0])), offset, near_edge(p, offset)});
     }
   }
-  return faces;
+  for (const std::size_t l : list) faces_.push_back(face_lists_[l].data());
+}
+
+void Scene::place(SurfacePoint& point, const Ray& ray, const Hit& hit, V3f& normal, V3f& shading_normal) const {
+  const Geometry& geometry = description_.shapes[hit.shape].geometry;
+  const V3f met = ray.origin + ray.direction * hit.t;
+  if (const auto* instance = std::get_if<MeshInstance>(&geometry)) {
+    const auto p = corners(*instance->mesh, hit.primitive);
+    const Face& face = faces_[hit.shape][hit.primitive];
+    const Placement& to_world = instance->to_world;
+    const float w = 1.0f - hit.u - hit.v;
+    V3f local = p[0] * w + p[1] * hit.u + p[2] * hit.v;
+    if (std::min({w, hit.u, hit.v}) < face.near_edge)
+      local = clear_of_edges(local, p, face.normal, {w, hit.u, hit.v}, face.offset);
+    point.position = to_world.point(local);
+    point.offset = rounding_offset(to_world, point.position, face.offset);
+    normal = unit(to_world.normal(face.normal));
+    shading_normal = unit(to_world.normal(shading_normal_of(*instance->mesh, hit, face.normal)));
+    return;
+  }
+  if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    const V3f outward = unit(met - sphere->center);
+    point.position = sphere->center + outward * sphere->radius;
+    point.offset = rounding_offset(*sphere);
+    normal = sphere->inward ? -outward : outward;
+  } else if (const auto* disk = std::get_if<Disk>(&geometry)) {
+    double t = 0.0;
+    V2d at(0.0, 0.0);
+    // Again in double: the plane holds the point to its own rounding, however far the ray came.
+    intersect_disk(*disk, ray.origin, ray.direction, t, at);
+    point.position = disk->center + disk->x * static_cast<float>(at.x) + disk->y * static_cast<float>(at.y);
+    point.offset = rounding_offset(*disk);
+    normal = unit_normal(*disk);
+  } else {
+    const auto& cylinder = std::get<Cylinder>(geometry);
+    float along;
+    const V3f outward = outward_at(cylinder, met, along);
+    point.position = cylinder.base + cylinder.axes[2] * (along * cylinder.length) + outward * cylinder.radius;
+    point.offset = rounding_offset(cylinder);
+    normal = cylinder.inward ? -outward : outward;
+  }
+  shading_normal = normal;
 }
 
 Scene::Scene(SceneDescription description)
     : description_(std::move(description)),
-      faces_(faces_of(description_.shapes)),
       bounds_(bounds_of(description_.shapes)),
       caster_(description_.shapes),
       lights_(description_.shapes, description_.punctual_lights, description_.environment, bounds_),
-      has_see_through_(std::ranges::any_of(description_.shapes, [this](const Shape& shape) {
-        const Material& material = description_.materials[shape.material];
-        return material.side[front].traits().is_see_through || material.side[back].traits().is_see_through;
-      })) {}
+      has_see_through_(std::ranges::any_of(description_.shapes,
+                                           [this](const Shape& shape) {
+                                             const Material& material = description_.materials[shape.material];
+                                             return material.side[front].traits().is_see_through ||
+                                                    material.side[back].traits().is_see_through;
+                                           })),
+      has_textures_(std::ranges::any_of(description_.materials, [](const Material& material) {
+        return !material.side[front].is_uniform() || !material.side[back].is_uniform();
+      })) {
+  find_faces();
+}
 
 void Scene::add_parametrization(SurfacePoint& point, const Shape& shape, const V3f& normal) const {
   Parametrization p;
-  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     p = parametrization(*mesh, point.primitive, {point.u, point.v}, normal);
-  else
-    p = parametrization(std::get<Sphere>(shape.geometry), normal);
+  } else if (const auto* instance = std::get_if<MeshInstance>(&shape.geometry)) {
+    const Face& face = faces_[point.shape][point.primitive];
+    p = parametrization(*instance->mesh, point.primitive, {point.u, point.v}, face.normal);
+    p.dp_du = instance->to_world.vector(p.dp_du);
+    p.dp_dv = instance->to_world.vector(p.dp_dv);
+  } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    p = parametrization(*sphere, normal);
+  } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
+    p = parametrization(*disk, point.position);
+  } else {
+    p = parametrization(std::get<Cylinder>(shape.geometry), point.position);
+  }
   point.uv = p.uv;
   point.dp_du = p.dp_du;
   point.dp_dv = p.dp_dv;
@@ -73,7 +168,7 @@ float Scene::transmittance(const Segment& segment) const {
     const Hit hit = caster_.intersect(ray);
     if (hit.escaped() || hit.t * hit.t >= to_end.dot(to_end)) return share;  // rounding: the queries disagree
     const SurfacePoint point = surface_point(ray, hit);
-    share *= side(point).transparency(point.uv);
+    share *= side(point).transparency(point.where());
     if (share == 0.0f) return 0.0f;
     from = spawn_position(point, ray.direction);
   }
@@ -86,7 +181,11 @@ Bsdf Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const 
                      .dp_dv = point.dp_dv,
                      .wo = -direction,
                      .frame = point.shading,
-                     .is_back = point.side == back};
+                     .is_back = point.side == back,
+                     .place = {point.primitive, {point.u, point.v}}};
+  // (M31), along the narrow side of the beam's ellipse on the surface.
+  if (point.beam_width > 0.0f)
+    at.footprint = {point.beam_width / point.dp_du.length(), point.beam_width / point.dp_dv.length()};
   const Bsdf bsdf = material.resolve(at, u);
   point.terminator = at.terminator;
   point.unperturbed_normal = point.shading.n;

@@ -59,7 +59,7 @@ class Scene {
   /// Radiance that the point emits towards the viewer, W/(m2 sr).
   [[nodiscard]] C3f emitted_radiance(const SurfacePoint& point) const {
     const Shape& shape = description_.shapes[point.shape];
-    if (shape.radiance_texture && point.side == front) return color_at(*shape.radiance_texture, point.uv);
+    if (shape.radiance_texture && point.side == front) return color_at(*shape.radiance_texture, point.where());
     return shape.radiance[point.side];
   }
   /// The share of light that passes along the open segment, in [0, 1]: through masks, where there are some.
@@ -67,6 +67,8 @@ class Scene {
   [[nodiscard]] float transmittance(const Segment& segment) const;
   /// Whether light passes straight through some surfaces: shadow rays must look at what they meet.
   [[nodiscard]] bool has_see_through() const { return has_see_through_; }
+  /// Whether materials vary over surfaces: then a beam sees more than a ray.
+  [[nodiscard]] bool has_textures() const { return has_textures_; }
 
  private:
   // What every vertex on a triangle needs and would else be computed again each time: 20 bytes a triangle.
@@ -75,17 +77,30 @@ class Scene {
     float offset;     // SurfacePoint::offset
     float near_edge;  // see geometry.h
   };
-  [[nodiscard]] static std::vector<std::vector<Face>> faces_of(std::span<const Shape> shapes);
+  void find_faces();
+  // The point of an analytic surface or an instance, and its normals, of the front.
+  void place(SurfacePoint& point, const Ray& ray, const Hit& hit, V3f& normal, V3f& shading_normal) const;
+  // The interpolated normal of a triangle's front; `normal`, the true one, if there is none.
+  static V3f shading_normal_of(const Mesh& mesh, const Hit& hit, const V3f& normal) {
+    if (mesh.normals.empty()) return normal;
+    const V3u& index = mesh.triangles[hit.primitive];
+    const V3f n = mesh.normals[index.x] * (1.0f - hit.u - hit.v) + mesh.normals[index.y] * hit.u +
+                  mesh.normals[index.z] * hit.v;
+    const V3f shading_normal = n.dot(n) > 0.0f ? unit(n) : normal;
+    // Normals that disagree with the winding by more than a right angle mean the same side, written inside out.
+    return shading_normal.dot(normal) < 0.0f ? -shading_normal : shading_normal;
+  }
   static Bsdf resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u);
   // Texture coordinates, tangents and a frame along them. `normal` is that of the front.
   void add_parametrization(SurfacePoint& point, const Shape& shape, const V3f& normal) const;
 
   SceneDescription description_;
-  std::vector<std::vector<Face>> faces_;  // by shape and triangle
+  std::vector<std::vector<Face>> face_lists_;  // one a mesh, however many instances it has
+  std::vector<const Face*> faces_;  // by shape, then triangle; of an instance in its own coordinates
   Box3f bounds_;
   RayCaster caster_;
   Lights lights_;
-  bool has_see_through_;
+  bool has_see_through_, has_textures_;
 };
 
 inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
@@ -105,23 +120,9 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
     point.offset = face.offset;
     if (std::min({w, hit.u, hit.v}) < face.near_edge) [[unlikely]]
       point.position = clear_of_edges(point.position, p, normal, {w, hit.u, hit.v}, face.offset);
-    shading_normal = normal;
-    if (!mesh->normals.empty()) {
-      const V3u& index = mesh->triangles[hit.primitive];
-      const V3f n =
-          mesh->normals[index.x] * w + mesh->normals[index.y] * hit.u + mesh->normals[index.z] * hit.v;
-      if (n.dot(n) > 0.0f) shading_normal = unit(n);
-      // Normals that disagree with the winding by more than a right angle mean the same side, written inside
-      // out.
-      if (shading_normal.dot(normal) < 0.0f) shading_normal = -shading_normal;
-    }
+    shading_normal = shading_normal_of(*mesh, hit, normal);
   } else {
-    const Sphere& sphere = std::get<Sphere>(shape.geometry);
-    const V3f outward = unit(ray.origin + ray.direction * hit.t - sphere.center);
-    point.position = sphere.center + outward * sphere.radius;
-    normal = sphere.inward ? -outward : outward;
-    point.offset = rounding_offset(sphere);
-    shading_normal = normal;
+    place(point, ray, hit, normal, shading_normal);
   }
   point.side = normal.dot(ray.direction) < 0.0f ? front : back;
   point.geometric_normal = point.side == front ? normal : -normal;

@@ -1,13 +1,13 @@
 // How near the path tracer comes to the speed of Embree alone: rays per CPU second of `path`, beside bare loops
-// over the same rays on the Cornell box, one by one and in packets. Compare the counters `rays`; between
-// versions of the path tracer, the counters `paths`.
+// over the same rays, one by one and in packets. Compare the counters `rays`; between versions of the path
+// tracer, the counters `paths`.
 #include <filesystem>
 #include <map>
 
 #include <benchmark/benchmark.h>
 
-#include "integrators/direct_light.h"
 #include "integrators/path.h"
+#include "integrators/vertex.h"
 #include "render/core/parallel.h"
 #include "render/load/load.h"
 
@@ -49,16 +49,17 @@ const BenchScene& bench_scene(const std::string& file) {
   return *one;
 }
 
-const std::string cornell_box = "/scenes/cornell-box/scene.xml";
-const Scene& scene() { return bench_scene(cornell_box).scene; }
+bool is_there(const std::string& file) { return std::filesystem::exists(TWOPASS_SOURCE_DIR + file); }
 
 // The ray of one sample of a pixel; pixels in the order of a render's tiles, every sixteenth tile, so that the
 // whole picture is covered.
 Ray camera_ray(const Camera& camera, std::uint32_t pixel, Sampler& sampler) {
   const std::uint32_t tile = pixel / 256 * 16 + pixel / 4096 * 5, in_tile = pixel % 256;
   const V2f u = sampler.next_2d();
-  return camera.ray({static_cast<float>(tile % 32 * 16 + in_tile % 16) + u.x,
-                     static_cast<float>(tile / 32 % 32 * 16 + in_tile / 16) + u.y});
+  return camera
+      .ray({static_cast<float>(tile % 32 * 16 + in_tile % 16) + u.x,
+            static_cast<float>(tile / 32 % 32 * 16 + in_tile / 16) + u.y})
+      .ray;
 }
 
 struct Query {
@@ -68,33 +69,37 @@ struct Query {
   int edge;  // of the path, from 1; a shadow ray belongs to the edge that led to it
 };
 
-// The rays of path-traced paths, in the order in which the path tracer casts them.
-std::vector<Query> recorded_rays() {
-  const Camera& camera = bench_scene(cornell_box).camera;
+// The rays of path-traced paths, in the order in which the path tracer casts them one by one.
+std::vector<Query> recorded_rays(const BenchScene& bench) {
+  const Scene& scene = bench.scene;
   std::vector<Query> queries;
   for (std::uint32_t i = 0; i < pixels_drawn * samples_per_pixel; ++i) {
     const std::uint32_t pixel = i / samples_per_pixel;
     Sampler sampler(1, pixel, i % samples_per_pixel);
-    Ray ray = camera_ray(camera, pixel, sampler);
+    Ray ray = camera_ray(bench.camera, pixel, sampler);
     C3f throughput(1.0f);
     for (int edges = 1;; ++edges) {
       queries.push_back({ray.origin, ray.direction, false, i, edges});
-      const Hit hit = scene().caster().intersect(ray);
+      const Hit hit = scene.caster().intersect(ray);
       if (hit.escaped()) break;
-      const SurfacePoint p = scene().surface_point(ray, hit);
-      const Bsdf& bsdf = scene().side(p).uniform();
-      const LightSample light = scene().lights().sample(receiver_at(p, bsdf), sampler.next_2d());
-      const V3f start = spawn_position(p, light.direction);
-      if (light.pdf_w > 0.0f && !is_black(light.radiance) && light.direction.dot(p.shading.n) > 0.0f &&
-          !is_black(diffuse_reflectance(bsdf)))
-        queries.push_back({start, light.position - start, true, i, edges});
-      const auto drawn = sample(bsdf, p.shading.to_local(-ray.direction), sampler.next_2d());
+      SurfacePoint p = scene.surface_point(ray, hit);
+      Bsdf resolved;
+      const Bsdf& bsdf = scene.resolve(p, ray.direction, resolved, [&] { return sampler.next_1d(); });
+      const V3f wo = p.shading.to_local(-ray.direction);
+      if (!is_specular(bsdf) && !scene.lights().empty()) {
+        const LightSample light = scene.lights().sample(receiver_at(p, bsdf), sampler.next_2d());
+        const V3f start = spawn_position(p, light.direction);
+        if (light.pdf_w > 0.0f && !is_black(light.radiance) &&
+            !is_black(eval(bsdf, wo, p.shading.to_local(light.direction))))
+          queries.push_back({start, light.position - start, true, i, edges});
+      }
+      const auto drawn = sample(bsdf, wo, sampler.next_2d());
       if (!drawn) break;
       throughput *= drawn->weight;
       const V3f w = p.shading.to_world(drawn->wi);
       ray = {spawn_position(p, w), w};
       if (edges >= 5) {
-        const float survival = std::min(max_component(throughput), 0.95f);
+        const float survival = survival_probability(max_component(throughput));
         if (sampler.next_1d() >= survival) break;
         throughput *= 1.0f / survival;
       }
@@ -103,11 +108,12 @@ std::vector<Query> recorded_rays() {
   return queries;
 }
 
-RTCScene bare_scene(RTCDevice device) {
+RTCScene bare_scene(RTCDevice device, const Scene& scene) {
   RTCScene bare = rtcNewScene(device);
   rtcSetSceneFlags(bare, RTC_SCENE_FLAG_ROBUST);
-  for (const Shape& shape : scene().shapes()) {
+  for (const Shape& shape : scene.shapes()) {
     const Mesh& mesh = std::get<Mesh>(shape.geometry);
+    if (mesh.triangles.empty()) continue;
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<V3f*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(V3f), mesh.positions.size()));
@@ -123,10 +129,11 @@ RTCScene bare_scene(RTCDevice device) {
   return bare;
 }
 
-void bare_embree(benchmark::State& state) {
-  const std::vector<Query> queries = recorded_rays();
+void bare_embree(benchmark::State& state, const std::string& file) {
+  if (!is_there(file)) return state.SkipWithError("not there");
+  const std::vector<Query> queries = recorded_rays(bench_scene(file));
   RTCDevice device = rtcNewDevice("");
-  RTCScene bare = bare_scene(device);
+  RTCScene bare = bare_scene(device, bench_scene(file).scene);
   std::uint64_t hits = 0;
   for (auto _ : state) {
     for (const Query& q : queries) {
@@ -161,16 +168,16 @@ void bare_embree(benchmark::State& state) {
   rtcReleaseScene(bare);
   rtcReleaseDevice(device);
 }
-BENCHMARK(bare_embree)->Unit(benchmark::kMillisecond);
 
 // The same rays in packets of 16: those of as many paths as a bundle holds, edge by edge.
-void bare_embree_packets(benchmark::State& state) {
-  std::vector<Query> queries = recorded_rays();
+void bare_embree_packets(benchmark::State& state, const std::string& file) {
+  if (!is_there(file)) return state.SkipWithError("not there");
+  std::vector<Query> queries = recorded_rays(bench_scene(file));
   const auto order = [](const Query& q) { return std::tuple(q.path / bundle_size, q.edge, q.shadow, q.path); };
   std::sort(queries.begin(), queries.end(),
             [&](const Query& a, const Query& b) { return order(a) < order(b); });
   RTCDevice device = rtcNewDevice("");
-  RTCScene bare = bare_scene(device);
+  RTCScene bare = bare_scene(device, bench_scene(file).scene);
   std::uint64_t hits = 0;
   for (auto _ : state) {
     for (std::size_t first = 0; first < queries.size();) {
@@ -220,11 +227,10 @@ void bare_embree_packets(benchmark::State& state) {
   rtcReleaseScene(bare);
   rtcReleaseDevice(device);
 }
-BENCHMARK(bare_embree_packets)->Unit(benchmark::kMillisecond);
 
 // Every thread renders all of the samples; rates are of the CPU time of all threads.
 void path_tracer(benchmark::State& state, const std::string& file) {
-  if (!std::filesystem::exists(TWOPASS_SOURCE_DIR + file)) return state.SkipWithError("not there");
+  if (!is_there(file)) return state.SkipWithError("not there");
   const BenchScene& bench = bench_scene(file);
   const PathTracer path(bench.scene, {});
   RayCounts counts;
@@ -251,15 +257,24 @@ void path_tracer(benchmark::State& state, const std::string& file) {
   state.counters["rays_per_path"] = benchmark::Counter(rays / paths, benchmark::Counter::kAvgThreads);
   state.counters["mean"] = benchmark::Counter(mean_component(sum) / paths, benchmark::Counter::kAvgThreads);
 }
+const std::string cornell_box = "/scenes/cornell-box/scene.xml",
+                  specular = "/scenes/cornell-box-specular/scene.xml",
+                  conference = "/../shared/scenes/conference/conference.obj",
+                  staircase = "/../shared/scenes/staircase/scene.xml";
+
+BENCHMARK_CAPTURE(bare_embree, cornell_box, cornell_box)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bare_embree_packets, cornell_box, cornell_box)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(path_tracer, cornell_box, cornell_box)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->Threads(1)
     ->Threads(2);
-BENCHMARK_CAPTURE(path_tracer, cornell_box_specular, "/scenes/cornell-box-specular/scene.xml")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(path_tracer, conference, "/../shared/scenes/conference/conference.obj")
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(path_tracer, cornell_box_specular, specular)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bare_embree, conference, conference)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(path_tracer, conference, conference)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bare_embree, staircase, staircase)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bare_embree_packets, staircase, staircase)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(path_tracer, staircase, staircase)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace twopass

@@ -1,5 +1,7 @@
 #include "render/core/parallel.h"
 
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -27,6 +29,28 @@ TEST(Parallel, NothingToDoIsFine) {
 TEST(Parallel, ExceptionsReachTheCaller) {
   EXPECT_THROW(parallel_for(10, 1, [](std::size_t, std::size_t) { throw std::runtime_error("x"); }),
                std::runtime_error);
+}
+
+TEST(Parallel, TheFirstFailureByOrderIsTheOneReported) {
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      std::vector<int> done(200, 0);
+      const auto failure = [&]() -> std::string {
+        try {
+          parallel_tasks(done.size(), [&](std::size_t i) {
+            if (i == 60 || i == 61 || i == 150) throw std::runtime_error(std::to_string(i));
+            done[i] = 1;
+          });
+        } catch (const std::runtime_error& error) {
+          return error.what();
+        }
+        return "none";
+      }();
+      EXPECT_EQ(failure, "60");
+      EXPECT_EQ(std::vector<int>(done.begin(), done.begin() + 60), std::vector<int>(60, 1));
+    }
+  }
 }
 
 }  // namespace

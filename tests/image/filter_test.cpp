@@ -143,12 +143,118 @@ TEST(Filter, NamesAndBadLengths) {
   EXPECT_EQ(filter_of_name("tent", "--filter").radius, 1.0f);
   EXPECT_EQ(filter_of_name("gaussian", "--filter").radius, 2.0f);
   EXPECT_EQ(filter_of_name("box", "--filter").radius, 0.5f);
-  EXPECT_THROW((void)filter_of_name("mitchell", "--filter"), Error);
+  EXPECT_THROW((void)filter_of_name("sinc", "--filter"), Error);
   for (const float bad : {0.0f, -1.0f, NAN, INFINITY}) {
     EXPECT_THROW((void)box_filter(bad), Error);
     EXPECT_THROW((void)tent_filter(bad), Error);
     EXPECT_THROW((void)gaussian_filter(bad), Error);
   }
+}
+
+// Kernels with negative lobes.
+class SignedFilterTest : public ::testing::TestWithParam<Filter> {};
+
+INSTANTIATE_TEST_SUITE_P(Kinds, SignedFilterTest,
+                         ::testing::Values(mitchell_filter(), mitchell_filter(0.0f, 1.0f), catmullrom_filter(),
+                                           lanczos_filter(), lanczos_filter(2), lanczos_filter(1)),
+                         [](const auto& kind) {
+                           return std::string(name_of_value(filter_names(), kind.param.kind)) +
+                                  std::to_string(kind.index);
+                         });
+
+TEST_P(SignedFilterTest, DensityIntegratesToOneAndCoversTheKernel) {
+  const Filter& filter = GetParam();
+  const auto steps = static_cast<int>(filter.radius * 512.0f);
+  double along = 0.0;  // the density is constant in each step: its middle is exact
+  for (int i = -steps; i < steps; ++i) {
+    const V2f middle((static_cast<float>(i) + 0.5f) / 512.0f, 0.25f);
+    along += filter_pdf(filter, middle) / 512.0;
+    if (filter_value(filter, middle) != 0.0f) EXPECT_GT(filter_pdf(filter, middle), 0.0f);
+  }
+  const V2f reference(0.25f, 0.25f);
+  const double across = std::sqrt(static_cast<double>(filter_pdf(filter, reference)));  // the marginal at 0.25
+  EXPECT_NEAR(along / across, 1.0, 1e-4);
+  EXPECT_EQ(filter_pdf(filter, {1.001f * filter.radius, 0.0f}), 0.0f);
+}
+
+// The expectation of weight * g(offset) is the filtered g, for whichever g; by a fine grid of u, without
+// statistics.
+TEST_P(SignedFilterTest, WeightedSamplesIntegrateTheKernel) {
+  const Filter& filter = GetParam();
+  const double total = integrate([&](double x) { return along_x(filter, x); }, -filter.radius, filter.radius);
+  const std::function<double(double)> functions[] = {[](double) { return 1.0; }, [](double x) { return x * x; },
+                                                     [](double x) { return std::cos(2.0 * x + 0.5); },
+                                                     [](double x) { return x > 0.7 ? 1.0 : 0.0; }};
+  constexpr int grid = 1 << 16;
+  for (const auto& g : functions) {
+    double sum = 0.0, one = 0.0;
+    for (int i = 0; i < grid; ++i)
+      for (const float v : {0.03f, 0.31f, 0.5f, 0.77f}) {
+        const FilterSample sample = sample_filter(filter, {(static_cast<float>(i) + 0.5f) / grid, v});
+        // Along x alone: the weight along y, which depends on v alone, is divided out.
+        const FilterSample middle = sample_filter(filter, {0.5f, v});
+        const double along_y = middle.weight / sample_filter(filter, {0.5f, 0.5f}).weight;
+        sum += sample.weight / along_y * g(sample.offset.x);
+        one += sample.weight / along_y;
+      }
+    const double expected =
+        integrate([&](double x) { return along_x(filter, x) * g(x); }, -filter.radius, filter.radius) / total;
+    EXPECT_NEAR(sum / one, expected, 1e-3);
+  }
+}
+
+// Weights are products of one along x and one along y; in the middle both are the same.
+TEST_P(SignedFilterTest, WeightsAreOneOnAverage) {
+  const Filter& filter = GetParam();
+  const double middle = std::sqrt(static_cast<double>(sample_filter(filter, {0.5f, 0.5f}).weight));
+  constexpr int grid = 1 << 16;
+  double sum = 0.0, least = 0.0, most = 0.0;
+  for (int i = 0; i < grid; ++i) {
+    const FilterSample sample = sample_filter(filter, {(static_cast<float>(i) + 0.5f) / grid, 0.5f});
+    ASSERT_LE(std::abs(sample.offset.x), filter.radius);
+    const double along = sample.weight / middle;
+    sum += along;
+    least = std::min(least, along);
+    most = std::max(most, along);
+  }
+  EXPECT_NEAR(sum / grid, 1.0, 1e-3);
+  EXPECT_LT(most, 4.0) << "drawn by magnitude, so that no weight is much larger than others";
+  if (filter.radius > 1.0f) EXPECT_LT(least, -1.0);
+}
+
+TEST(Filter, CubicsAreThoseOfMitchellAndNetravali) {
+  const Filter mitchell = mitchell_filter(), catmull_rom = catmullrom_filter();
+  const double peak = std::sqrt(static_cast<double>(filter_value(mitchell, {0.0f, 0.0f})));
+  EXPECT_NEAR(peak, 8.0 / 9.0, 1e-6);
+  EXPECT_NEAR(along_x(mitchell, 1.0) / peak, 1.0 / 18.0, 1e-6);
+  EXPECT_NEAR(filter_value(catmull_rom, {0.0f, 0.0f}), 1.0, 1e-6);
+  EXPECT_NEAR(along_x(catmull_rom, 1.0), 0.0, 1e-6);
+  EXPECT_NEAR(along_x(catmull_rom, 1.5), -1.0 / 16.0, 1e-6);
+  EXPECT_EQ(along_x(catmull_rom, 2.01), 0.0);
+  // Shifted by whole pixels they add up to one, everywhere.
+  for (const Filter& filter : {mitchell, catmull_rom, mitchell_filter(0.7f, -0.3f)}) {
+    const double at_zero = std::sqrt(static_cast<double>(filter_value(filter, {0.0f, 0.0f})));
+    for (const double x : {0.0, 0.2, 0.5, 0.9})
+      EXPECT_NEAR((along_x(filter, x) + along_x(filter, x - 1.0) + along_x(filter, x + 1.0) +
+                   along_x(filter, x - 2.0)) /
+                      at_zero,
+                  1.0, 1e-5);
+  }
+}
+
+TEST(Filter, LanczosVanishesAtWholePixels) {
+  const Filter filter = lanczos_filter(3);
+  EXPECT_NEAR(along_x(filter, 0.0), 1.0, 1e-6);
+  for (const double x : {1.0, 2.0, 3.0}) EXPECT_NEAR(along_x(filter, x), 0.0, 1e-6);
+  // sinc(1.5) sinc(0.5) = (-2 / (3 pi)) (2 / pi).
+  EXPECT_NEAR(along_x(filter, 1.5), -4.0 / (3.0 * pi * pi), 1e-6);
+}
+
+TEST(Filter, ImpossibleParametersAreErrors) {
+  EXPECT_THROW(lanczos_filter(0), Error);
+  EXPECT_THROW(lanczos_filter(17), Error);
+  EXPECT_THROW(mitchell_filter(NAN, 0.0f), Error);
+  EXPECT_THROW(mitchell_filter(0.0f, 11.0f), Error);
 }
 
 }  // namespace

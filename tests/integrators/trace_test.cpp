@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Integrators, TraceTest,
 // A bundle overwrites what its samples held before.
 TEST(Trace, OldResultsAreForgotten) {
   const Scene scene(mixed_scene());
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, {});
+  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {});
   std::vector<PathSample> first = samples_from(V3f(0.5f, 0.2f, 0.5f), 100), second = first;
   for (PathSample& sample : second) sample.seen = {C3f(7.0f), 0.5f};
   RayCounts counts;
@@ -87,7 +87,7 @@ TEST(Trace, OldResultsAreForgotten) {
 TEST(Trace, NoSamplesAreNoWork) {
   const Scene scene(mixed_scene());
   RayCounts counts;
-  make_integrator(IntegratorKind::path, scene, nullptr, {})->trace({}, counts);
+  make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {})->trace({}, counts);
   EXPECT_EQ(counts.rays, 0u);
 }
 

@@ -23,11 +23,11 @@ const std::vector<std::pair<std::string, std::string>> homes{
     {"tbb/", "render/core/parallel.cpp"},
     {"OpenColorIO/", "render/image/color"},
     {"OpenEXR/", "render/image/exr.cpp"},
-    {"OpenImageIO/", "render/image/oiio_module.cpp"},
+    {"OpenImageIO/", "render/image/oiio_"},
     {"tiny_obj_loader", "render/load/"},
     {"pugixml", "render/load/"},
     {"CLI/", "render/"},
-    {"zlib.h", "radiosity/solution_file.cpp"},
+    {"zlib.h", "render/core/deflate.cpp"},
 };
 
 std::size_t room_of(const std::string& path) {

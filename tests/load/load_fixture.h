@@ -35,11 +35,13 @@ class LoadTest : public ::testing::Test {
     std::ofstream(path, std::ios::binary) << text;
     return path;
   }
-  /// Loads the text as a file called scene.xml or scene.obj.
+  /// Loads the text as a file called scene.xml, scene.obj, scene.gltf or scene.glb.
   LoadedScene load_xml(std::string_view text, const Definitions& definitions = {}) const {
     return load_scene(write("scene.xml", text), definitions);
   }
   LoadedScene load_obj(std::string_view text) const { return load_scene(write("scene.obj", text), {}); }
+  LoadedScene load_gltf(std::string_view text) const { return load_scene(write("scene.gltf", text), {}); }
+  LoadedScene load_glb(std::string_view bytes) const { return load_scene(write("scene.glb", bytes), {}); }
 
   std::filesystem::path folder_;
 };

@@ -39,7 +39,7 @@ TEST_F(LoadObjScene, ShapesWithoutGroupsAreNamedAfterMaterialOrFile) {
 TEST_F(LoadObjScene, MissingMaterialsAreGreyWithNotes) {
   const LoadedScene loaded =
       load_obj("mtllib none.mtl\n" + std::string(square) + "f 1 2 3\nusemtl red\nf 1 3 4\n");
-  EXPECT_TRUE(has_note(loaded, "none.mtl does not exist"));
+  EXPECT_TRUE(has_note(loaded, "its material library 'none.mtl' does not exist"));
   EXPECT_TRUE(has_note(loaded, "scene.obj: material 'red' is not defined: grey (0.5)"));
   EXPECT_TRUE(has_note(loaded, "faces without usemtl are grey"));
   for (const Material& material : loaded.scene.materials)
@@ -80,9 +80,18 @@ TEST_F(LoadObjScene, NormalsDecideWhereTheFrontIs) {
   EXPECT_TRUE(has_note(loaded, "1 triangles faced away from their own normals"));
 }
 
-TEST_F(LoadObjScene, SmoothingGroupsWithoutNormalsAreNoted) {
-  EXPECT_TRUE(has_note(load_obj(std::string(square) + "s 1\nf 1 2 3\n"), "smoothing groups are not read"));
-  EXPECT_TRUE(load_obj(std::string(square) + "usemtl a\ns off\nf 1 2 3\n").notes.size() == 1);
+TEST_F(LoadObjScene, SmoothingGroupsReachAcrossShapes) {
+  // Folded along x = 1 by 90 degrees: two groups, one smooth surface.
+  const LoadedScene loaded =
+      load_obj(std::string(square) + "v 1 0 -1\nv 1 1 -1\ns 1\ng a\nf 1 2 3 4\ng b\nf 2 5 6 3\n");
+  for (std::size_t shape = 0; shape < 2; ++shape) {
+    const Mesh& mesh = mesh_of(loaded, shape);
+    ASSERT_EQ(mesh.normals.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i)
+      if (mesh.positions[i].x == 1.0f && mesh.positions[i].z == 0.0f)
+        expect_near(mesh.normals[i], V3f(1, 0, 1).normalized());
+  }
+  EXPECT_TRUE(mesh_of(load_obj(std::string(square) + "s off\nf 1 2 3\n")).normals.empty());
 }
 
 TEST_F(LoadObjScene, ErrorsOfLibrariesNameThem) {

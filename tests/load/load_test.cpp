@@ -36,7 +36,7 @@ TEST_F(Load, ObjFilesHaveNoParameters) {
       [&] {
         load_scene(write("a.obj", triangle), {{"spp", "4"}});
       },
-      {"-D spp: an OBJ file has no parameters"});
+      {"-D spp: only Mitsuba's scenes have parameters"});
 }
 
 }  // namespace

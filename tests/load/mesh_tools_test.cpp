@@ -22,6 +22,20 @@ TEST(MeshTools, TransformsPositionsAndNormals) {
   expect_near(mesh.normals[0], normal_of(mesh, 0));
 }
 
+TEST(MeshTools, AttributesStayWithTheirVerticesAndTriangles) {
+  Mesh mesh;
+  mesh.positions = {V3f(9, 9, 9), V3f(0, 0, 0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(2, 0, 0)};
+  mesh.triangles = {V3u(1, 2, 4), V3u(1, 2, 3)};  // the first has no area
+  mesh.attributes = {{"vertex_k", {C3f(0.0f), C3f(1.0f), C3f(2.0f), C3f(3.0f), C3f(4.0f)}},
+                     {"face_k", {C3f(5.0f), C3f(6.0f)}}};
+  EXPECT_EQ(drop_degenerate_triangles(mesh), 1u);
+  ASSERT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_EQ(mesh.attributes[0].values, (std::vector<C3f>{C3f(1.0f), C3f(2.0f), C3f(3.0f)}));
+  EXPECT_EQ(mesh.attributes[1].values, std::vector<C3f>{C3f(6.0f)});
+  EXPECT_EQ(drop_degenerate_triangles(mesh), 0u);
+  EXPECT_EQ(mesh.attributes[1].values.size(), 1u);
+}
+
 TEST(MeshTools, NormalsFollowTheFrontThroughAMirror) {
   Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.normals.assign(3, V3f(0, 0, 1));

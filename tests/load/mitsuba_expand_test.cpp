@@ -1,5 +1,7 @@
 #include "render/load/mitsuba_expand.h"
 
+#include <sys/stat.h>
+
 #include "tests/load/load_fixture.h"
 
 namespace twopass {
@@ -49,6 +51,30 @@ TEST_F(MitsubaExpand, ParametersReachTransformsAndFirstDefaultsCount) {
       "<default name='s' value='2'/><default name='s' value='3'/>"
       "<shape type='cube'><transform name='to_world'><scale value='$s'/></transform></shape>");
   EXPECT_EQ(tree.root.children[0].children[0].children[0].get("value"), "2");
+}
+
+// Everything that a scene names goes through find_file: meshes, textures, profiles, includes.
+TEST_F(MitsubaExpand, OnlyRegularFilesMayBeNamed) {
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  std::filesystem::create_directories(folder_ / "folder");
+  const std::pair<const char*, const char*> names[] = {
+      {"pipe", "not a regular file but a pipe"}, {"folder", "this is a folder"}, {"/dev/zero", "a device"}};
+  for (const auto& [name, what] : names) {
+    const std::string file = "value='" + std::string(name) + "'/>";
+    for (const std::string& user : {"<include\nfilename='" + std::string(name) + "'/>",
+                                    "<shape type='obj'>\n<string name='filename' " + file + "</shape>",
+                                    "<emitter type='envmap'>\n<string name='filename' " + file + "</emitter>",
+                                    "<bsdf type='diffuse'><texture name='reflectance' type='bitmap'>\n"
+                                    "<string name='filename' " +
+                                        file + "</texture></bsdf>"})
+      expect_error([&] { load_xml("<scene version='3.0.0'>\n" + user + "\n</scene>"); },
+                   {"scene.xml:", name, what});
+  }
+}
+
+TEST_F(MitsubaExpand, FilesAreFoundInAnyCase) {
+  write("Meshes/Part.XML", "<scene version='3.0.0'><shape type='cube'/></scene>");
+  EXPECT_EQ(read_body("<include filename='meshes\\part.xml'/>").root.children.at(0).get("type"), "cube");
 }
 
 TEST_F(MitsubaExpand, UnknownParametersAreErrors) {

@@ -67,10 +67,10 @@ TEST_F(MitsubaSensor, LooksAlongZWithXToTheLeft) {
       "</transform><float name='fov' value='90'/>",
       "0.6.0");
   const Camera camera(*loaded.scene.camera, 100, 100);
-  expect_near(camera.ray({50, 50}).direction, {0, 0, 1});
+  expect_near(camera.ray({50, 50}).ray.direction, {0, 0, 1});
   // Seen along +z with +y up, +x is on the left.
-  EXPECT_GT(camera.ray({0, 50}).direction.x, 0.7f);
-  EXPECT_GT(camera.ray({50, 0}).direction.y, 0.7f);
+  EXPECT_GT(camera.ray({0, 50}).ray.direction.x, 0.7f);
+  EXPECT_GT(camera.ray({50, 0}).ray.direction.y, 0.7f);
 }
 
 TEST_F(MitsubaSensor, MatricesArePlacedAsWritten) {
@@ -78,9 +78,9 @@ TEST_F(MitsubaSensor, MatricesArePlacedAsWritten) {
       "<transform name='to_world'><matrix value='-1 0 0 0 0 1 0 1 0 0 -1 6.8 0 0 0 1'/>"
       "</transform>");
   const Camera camera(*loaded.scene.camera, 100, 100);
-  expect_near(camera.ray({50, 50}).origin, {0, 1, 6.8f});
-  expect_near(camera.ray({50, 50}).direction, {0, 0, -1});
-  EXPECT_GT(camera.ray({100, 50}).direction.x, 0.0f);
+  expect_near(camera.ray({50, 50}).ray.origin, {0, 1, 6.79f});  // on the near clipping plane
+  expect_near(camera.ray({50, 50}).ray.direction, {0, 0, -1});
+  EXPECT_GT(camera.ray({100, 50}).ray.direction.x, 0.0f);
 }
 
 TEST_F(MitsubaSensor, CamerasAreRigid) {
@@ -91,10 +91,73 @@ TEST_F(MitsubaSensor, CamerasAreRigid) {
       {"the camera's transform is sheared"});
 }
 
-TEST_F(MitsubaSensor, RefusesPrincipalPoints) {
-  EXPECT_NO_THROW(sensor("<float name='principal_point_offset_x' value='0'/>"));
-  expect_error([&] { sensor("<float name='principal_point_offset_y' value='0.1'/>"); },
-               {"'principal_point_offset_y' other than 0 is not supported"});
+TEST_F(MitsubaSensor, PrincipalPointAndClippingPlanes) {
+  const CameraDescription camera =
+      *sensor(
+           "<float name='principal_point_offset_x' value='0.1'/>"
+           "<float name='principal_point_offset_y' value='-0.2'/>"
+           "<float name='near_clip' value='2'/><float name='far_clip' value='30'/>")
+           .scene.camera;
+  EXPECT_EQ(camera.principal_point_offset, V2d(0.1, -0.2));
+  EXPECT_EQ(camera.near_clip, 2.0);
+  EXPECT_EQ(camera.far_clip, 30.0);
+  EXPECT_EQ(sensor("").scene.camera->near_clip, 1e-2) << "Mitsuba's default";
+  EXPECT_EQ(sensor("").scene.camera->far_clip, 1e4);
+  expect_error([&] { sensor("<float name='near_clip' value='-1'/>"); },
+               {"scene.xml:3: 'near_clip' must not be negative"});
+  expect_error([&] { sensor("<float name='far_clip' value='0.001'/>"); },
+               {"scene.xml:3: 'far_clip' must be larger than 'near_clip'"});
+}
+
+TEST_F(MitsubaSensor, ThinLens) {
+  const auto lens = [&](const std::string& body) {
+    return *read("<sensor type='thinlens'>\n" + body + "</sensor>").scene.camera;
+  };
+  const CameraDescription camera = lens(
+      "<float name='aperture_radius' value='0.25'/><float name='focus_distance' value='4'/>"
+      "<float name='fov' value='30'/><transform name='to_world'><translate x='1'/></transform>");
+  EXPECT_EQ(camera.projection, Projection::perspective);
+  EXPECT_EQ(camera.aperture_radius, 0.25);
+  EXPECT_EQ(camera.focus_distance, 4.0);
+  EXPECT_EQ(camera.fov_degrees, 30.0);
+  EXPECT_EQ(lens("<float name='aperture_radius' value='1'/><float name='far_clip' value='50'/>").focus_distance,
+            50.0);
+  EXPECT_EQ(read("<sensor type='thinlens'><float name='apertureRadius' value='1'/></sensor>", "0.6.0")
+                .scene.camera->aperture_radius,
+            1.0);
+  expect_error([&] { lens(""); }, {"scene.xml:2: sensor 'thinlens' has no aperture_radius; add it"});
+  expect_error([&] { lens("<float name='aperture_radius' value='-1'/>"); },
+               {"scene.xml:3: 'aperture_radius' must not"});
+  expect_error(
+      [&] { lens("<float name='aperture_radius' value='1'/><float name='focus_distance' value='0'/>"); },
+      {"scene.xml:3: 'focus_distance' must be above 0"});
+  expect_error(
+      [&] { lens("<float name='aperture_radius' value='1'/><float name='lens' value='0'/>"); },
+      {"sensor 'thinlens' has no property 'lens'; its properties: ", "aperture_radius, focus_distance"});
+  expect_error(
+      [&] {
+        lens(
+            "<float name='aperture_radius' value='1'/><transform name='to_world'><scale "
+            "value='2'/></transform>");
+      },
+      {"contains a scale"});
+}
+
+TEST_F(MitsubaSensor, Orthographic) {
+  const auto orthographic = [&](const std::string& body) {
+    return *read("<sensor type='orthographic'>\n" + body + "</sensor>").scene.camera;
+  };
+  const CameraDescription camera =
+      orthographic("<transform name='to_world'><scale x='3' y='3'/><translate z='-5'/></transform>");
+  EXPECT_EQ(camera.projection, Projection::orthographic);
+  EXPECT_EQ(camera.to_world[0][0], 3.0);
+  expect_error([&] { orthographic("<float name='fov' value='30'/>"); },
+               {"scene.xml:3: sensor 'orthographic' has no property 'fov'"});
+  expect_error([&] { orthographic("<transform name='to_world'><scale x='0'/></transform>"); },
+               {"scene.xml:3: "});
+  expect_error(
+      [&] { orthographic("<transform name='to_world'><matrix value='1 0.6 0 0 0.8 0 0 0 1'/></transform>"); },
+      {"the camera's transform is sheared"});
 }
 
 TEST_F(MitsubaSensor, FilmSize) {
@@ -109,10 +172,14 @@ TEST_F(MitsubaSensor, FilmSize) {
 TEST_F(MitsubaSensor, FilmFormats) {
   EXPECT_EQ(film("<string name='component_format' value='float16'/>").half, true);
   EXPECT_EQ(film("<string name='component_format' value='float32'/>").half, false);
-  expect_error([&] { film("<string name='component_format' value='uint32'/>"); },
-               {"component_format 'uint32' is not supported; supported: float16, float32"});
-  expect_error([&] { film("<string name='file_format' value='pfm'/>"); },
-               {"file_format 'pfm' is not supported"});
+  expect_error([&] { film("<string name='component_format' value='float64'/>"); },
+               {"component_format 'float64' is not supported; supported: float16, float32, uint32"});
+  expect_error([&] { film("<string name='file_format' value='png'/>"); },
+               {"file_format 'png' is not supported; supported: openexr, exr, rgbe, pfm"});
+  EXPECT_TRUE(has_note(sensor("<film type='hdrfilm'><string name='file_format' value='pfm'/></film>"),
+                       "scene.xml:3: file_format 'pfm': the format is what -o names"));
+  EXPECT_TRUE(has_note(sensor("<film type='hdrfilm'><string name='component_format' value='uint32'/></film>"),
+                       "component_format 'uint32': the picture is written as float32"));
   expect_error([&] { film("<string name='pixel_format' value='rbg'/>"); },
                {"pixel_format 'rbg' is not supported"});
   EXPECT_NO_THROW(
@@ -125,14 +192,27 @@ TEST_F(MitsubaSensor, FilmFormats) {
                {"scene.xml:4: film 'hdrfilm' has no property 'widht'; its properties: width, height,"});
 }
 
-TEST_F(MitsubaSensor, CropsMustBeTheWholePicture) {
-  const std::string size = "<integer name='width' value='320'/><integer name='height' value='240'/>";
-  EXPECT_NO_THROW(
-      film(size + "<integer name='crop_offset_x' value='0'/><integer name='crop_width' value='320'/>"));
-  expect_error([&] { film(size + "<integer name='crop_offset_x' value='8'/>"); },
-               {"a cropped film is not supported"});
-  expect_error([&] { film(size + "<integer name='crop_height' value='8'/>"); },
-               {"a cropped film is not supported"});
+TEST_F(MitsubaSensor, CropWindows) {
+  const std::string size = "<integer name='width' value='320'/><integer name='height' value='240'/>\n";
+  const auto integer = [](const char* name, int value) {
+    return "<integer name='" + std::string(name) + "' value='" + std::to_string(value) + "'/>\n";
+  };
+  EXPECT_FALSE(film(size + integer("crop_offset_x", 0) + integer("crop_width", 320)).crop);
+  const FileSettings settings = film(size + integer("crop_offset_x", 20) + integer("crop_offset_y", 30) +
+                                     integer("crop_width", 48) + integer("crop_height", 210));
+  ASSERT_TRUE(settings.crop);
+  EXPECT_EQ(settings.crop->corner, V2i(20, 30));
+  EXPECT_EQ(settings.crop->size, V2i(48, 210));
+  EXPECT_EQ(settings.width, 320);
+  // Beyond the picture, with numbers that would overflow a sum.
+  expect_error([&] { film(size + integer("crop_offset_x", 320)); },
+               {"scene.xml:5: the crop window begins outside of the picture; give an offset from 0 to 319"});
+  expect_error([&] { film(size + integer("crop_offset_y", -1)); }, {"begins outside"});
+  expect_error([&] { film(size + integer("crop_offset_x", 1)); },
+               {"scene.xml:5: the crop window reaches beyond the picture; give a crop_width from 1 to 319"});
+  expect_error([&] { film(size + integer("crop_height", 241)); }, {"give a crop_height from 1 to 240"});
+  expect_error([&] { film(size + integer("crop_width", 2147483647)); }, {"reaches beyond"});
+  expect_error([&] { film(size + integer("crop_width", 0)); }, {"reaches beyond"});
 }
 
 TEST_F(MitsubaSensor, Filters) {
@@ -144,18 +224,35 @@ TEST_F(MitsubaSensor, Filters) {
   EXPECT_EQ(filter("<rfilter type='tent'><float name='radius' value='2'/></rfilter>").radius, 2.0f);
   EXPECT_EQ(filter("<rfilter type='gaussian'/>").stddev, 0.5f);
   EXPECT_EQ(filter("<rfilter type='gaussian'><float name='stddev' value='0.25'/></rfilter>").stddev, 0.25f);
-  expect_error([&] { filter("<rfilter type='lanczos'/>"); },
-               {"scene.xml:4: rfilter 'lanczos' is not supported; supported rfilters: box, tent, gaussian"});
+  EXPECT_EQ(filter("<rfilter type='catmullrom'/>").kind, FilterKind::catmullrom);
+  EXPECT_EQ(filter("<rfilter type='mitchell'/>").b, 1.0f / 3.0f);
+  const Filter mitchell =
+      filter("<rfilter type='mitchell'><float name='B' value='0.2'/><float name='C' value='0.4'/></rfilter>");
+  EXPECT_EQ(mitchell.b, 0.2f);
+  EXPECT_EQ(mitchell.c, 0.4f);
+  EXPECT_EQ(filter("<rfilter type='lanczos'/>").radius, 3.0f);
+  EXPECT_EQ(filter("<rfilter type='lanczos'><integer name='lobes' value='2'/></rfilter>").radius, 2.0f);
+  const LoadedScene old = sensor(
+      "<film type='hdrfilm'><rfilter type='mitchell'><float name='B' value='0.1'/></rfilter></film>", "0.6.0");
+  EXPECT_EQ(old.settings.filter.b, 0.1f);
+  expect_error([&] { filter("<rfilter type='sinc'/>"); },
+               {"scene.xml:4: ", "rfilter 'sinc'", "box, tent, gaussian, mitchell, catmullrom, lanczos"});
   expect_error([&] { filter("<rfilter type='tent'><float name='radius' value='0'/></rfilter>"); },
-               {"'radius' must be above 0"});
+               {"'radius' must be from 0.001 to 100"});
+  expect_error([&] { filter("<rfilter type='lanczos'><integer name='lobes' value='0'/></rfilter>"); },
+               {"'lobes' must be from 1 to 16"});
+  expect_error([&] { filter("<rfilter type='mitchell'><float name='B' value='1e9'/></rfilter>"); },
+               {"'B' must be from -10 to 10"});
 }
 
 TEST_F(MitsubaSensor, OtherFilmsAndSensorsAreRefused) {
   expect_error([&] { sensor("<film type='ldrfilm'/>"); },
                {"film 'ldrfilm' is not supported", "renamed: use hdrfilm"});
   expect_error([&] { sensor("<film type='specfilm'/>"); }, {"supported films: hdrfilm"});
-  expect_error([&] { read("<sensor type='thinlens'/>"); },
-               {"scene.xml:2: sensor 'thinlens' is not supported; supported sensors: perspective"});
+  for (const char* type : {"distant", "batch", "radiancemeter", "irradiancemeter", "fisheye"})
+    expect_error([&] { read("<sensor type='" + std::string(type) + "'/>"); },
+                 {"scene.xml:2: ", "sensor '" + std::string(type) + "'",
+                  "supported sensors: perspective, thinlens, orthographic"});
 }
 
 TEST_F(MitsubaSensor, SamplersGiveCountAndSeed) {
@@ -179,7 +276,6 @@ TEST_F(MitsubaSensor, SamplersGiveCountAndSeed) {
 TEST_F(MitsubaSensor, OurIntegratorsAreTakenByName) {
   for (const char* type : {"twopass", "unbiased", "path", "radiosity", "direct"})
     EXPECT_EQ(integrator(type).integrator, type);
-  EXPECT_EQ(integrator("volpath").integrator, "path");
   const FileSettings settings = integrator("path",
                                            "<integer name='max_depth' value='7'/>"
                                            "<integer name='rr_depth' value='3'/>"
@@ -191,13 +287,49 @@ TEST_F(MitsubaSensor, OurIntegratorsAreTakenByName) {
 }
 
 TEST_F(MitsubaSensor, OtherIntegratorsAreNoted) {
+  for (const char* type : {"volpath", "volpathmis", "ptracer", "bdpt", "stokes", "depth"}) {
+    const LoadedScene other = read("<integrator type='" + std::string(type) + "'/>");
+    EXPECT_FALSE(other.settings.integrator) << type;
+    EXPECT_TRUE(has_note(other, "integrator '" + std::string(type) + "' is not known here")) << type;
+  }
   const LoadedScene loaded = read(
       "<integrator type='sppm'><integer name='maxDepth' value='65'/>"
       "<integer name='photonCount' value='1000'/></integrator>",
       "0.6.0");
   EXPECT_FALSE(loaded.settings.integrator);
   EXPECT_EQ(loaded.settings.max_depth, 65);
-  EXPECT_TRUE(has_note(loaded, "scene.xml:2: integrator 'sppm' is unknown: rendering with the default"));
+  EXPECT_TRUE(has_note(loaded, "scene.xml:2: integrator 'sppm' is not known here: rendering with the default"));
+}
+
+TEST_F(MitsubaSensor, WrappersGiveWayToTheIntegratorInThem) {
+  for (const char* wrapper : {"aov", "moment", "merge"}) {
+    const LoadedScene loaded =
+        read("<integrator type='" + std::string(wrapper) +
+             "'><integrator type='path'><integer name='max_depth' value='4'/></integrator>"
+             "</integrator>");
+    EXPECT_EQ(loaded.settings.integrator, "path") << wrapper;
+    EXPECT_EQ(loaded.settings.max_depth, 4);
+    EXPECT_TRUE(loaded.notes.empty());
+  }
+  const LoadedScene nested = read(
+      "<integrator type='aov'><string name='aovs' value='dd:depth'/>"
+      "<integrator type='moment'><integrator type='direct'/><integrator "
+      "type='path'/></integrator></integrator>");
+  EXPECT_EQ(nested.settings.integrator, "direct");
+  EXPECT_TRUE(has_note(nested, "its outputs 'dd:depth' are not written"));
+  EXPECT_TRUE(has_note(nested, "'moment': of the integrators in it the first is used"));
+  const LoadedScene empty = read("<integrator type='aov'/>");
+  EXPECT_FALSE(empty.settings.integrator);
+  EXPECT_TRUE(has_note(empty, "there is none in it"));
+  expect_error([&] { read("<integrator type='aov' id='a'><ref id='a'/></integrator>"); },
+               {"this <integrator> refers to itself"});
+  expect_error(
+      [&] {
+        read(
+            "<integrator type='aov'><integrator type='path'>"
+            "\n<integer name='depth' value='4'/></integrator></integrator>");
+      },
+      {"scene.xml:3: integrator 'path' has no property 'depth'"});
 }
 
 TEST_F(MitsubaSensor, IntegratorPropertiesAreChecked) {

@@ -1,5 +1,6 @@
 #include "render/load/mitsuba_shapes.h"
 
+#include "render/scene/geometry.h"
 #include "tests/load/load_fixture.h"
 
 namespace twopass {
@@ -89,6 +90,107 @@ TEST_F(MitsubaShapes, SpheresStayRound) {
                {"scene.xml:3: a sphere's radius must be positive"});
   expect_error([&] { shape("<shape type='sphere'><float name='radius' value='1e20'/></shape>"); },
                {"too large"});
+}
+
+TEST_F(MitsubaShapes, DisksByTransform) {
+  const auto disk = [&](const std::string& steps) {
+    return std::get<Disk>(shape("<shape type='disk'><transform name='to_world'>" + steps + "</transform></shape>").geometry);
+  };
+  const Disk plain = std::get<Disk>(shape("<shape type='disk'/>").geometry);
+  expect_near(unit_normal(plain), {0, 0, 1});
+  EXPECT_NEAR(area_of(plain), pi, 1e-6);
+  const Disk moved = disk("<rotate x='1' angle='90'/><scale value='0.6'/><translate x='1' y='3.4' z='-1'/>");
+  expect_near(unit_normal(moved), {0, -1, 0});
+  expect_near(moved.center, {1, 3.4f, -1});
+  EXPECT_NEAR(area_of(moved), 0.36 * pi, 1e-5);
+  // The normal is that of +z, through mirrors too; flip_normals turns it.
+  expect_near(unit_normal(disk("<scale x='-1'/>")), {0, 0, 1});
+  expect_near(unit_normal(disk("<scale z='-1'/>")), {0, 0, -1});
+  expect_near(unit_normal(std::get<Disk>(shape("<shape type='disk'>" + flipped + "</shape>").geometry)), {0, 0, -1});
+  EXPECT_NEAR(area_of(disk("<scale x='3'/>")), 3.0 * pi, 1e-5);  // an ellipse
+  expect_error([&] { disk("<scale x='0'/>"); }, {"scene.xml:2", "no area"});
+  expect_error([&] { disk("<translate x='1e15'/>"); }, {"scene.xml:2", "too far away"});
+}
+
+TEST_F(MitsubaShapes, CylindersByTheirEndsAndTransform) {
+  const std::string ends =
+      "<point name='p0' x='1' y='0' z='0'/><point name='p1' x='1' y='2' z='0'/><float name='radius' value='0.5'/>";
+  const auto cylinder = [&](const std::string& steps) {
+    return std::get<Cylinder>(
+        shape("<shape type='cylinder'>" + ends + "<transform name='to_world'>" + steps + "</transform></shape>").geometry);
+  };
+  const Cylinder plain = std::get<Cylinder>(shape("<shape type='cylinder'/>").geometry);
+  EXPECT_EQ(plain.length, 1.0f);
+  EXPECT_EQ(plain.radius, 1.0f);
+  expect_near(plain.axes[2], {0, 0, 1});
+  const Cylinder moved = cylinder("<scale value='2'/><rotate z='1' angle='90'/>");
+  expect_near(moved.base, {0, 2, 0});
+  expect_near(moved.axes[2], {-1, 0, 0});
+  EXPECT_FLOAT_EQ(moved.length, 4.0f);
+  EXPECT_FLOAT_EQ(moved.radius, 1.0f);
+  EXPECT_FALSE(moved.inward);
+  EXPECT_FLOAT_EQ(cylinder("<scale y='3'/>").length, 6.0f);  // along the axis
+  EXPECT_TRUE(std::get<Cylinder>(shape("<shape type='cylinder'>" + flipped + "</shape>").geometry).inward);
+  expect_error([&] { cylinder("<scale x='3'/>"); }, {"scene.xml:2", "what is none"});
+  expect_error([&] { cylinder("<matrix value='1 0.3 0 0 1 0 0 0 1'/>"); }, {"scene.xml:2", "what is none"});
+  expect_error([&] { shape("<shape type='cylinder'>\n<float name='radius' value='-1'/></shape>"); }, {"scene.xml:3"});
+  expect_error([&] { shape("<shape type='cylinder'>\n<point name='p1' value='0'/></shape>"); },
+               {"scene.xml:3", "must differ"});
+}
+
+const std::string coloured_ply =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n"
+    "property float v\nproperty float r\nproperty float g\nproperty float b\nelement face 2\n"
+    "property list uchar int vertex_indices\nproperty float heat\nend_header\n"
+    "0 0 0 0 0.25 1 0 0\n1 0 0 1 0.25 0 1 0\n1 1 1 1 1 0 0 1\n0 1 0 0 1 2 2 2\n3 0 1 2 0.25\n3 0 2 3 3\n";
+
+// Without normals they are computed, smooth; v is turned only where that is asked for.
+TEST_F(MitsubaShapes, PlyByMitsubasRules) {
+  write("m.ply", coloured_ply);
+  const std::string open = "<shape type='ply'><string name='filename' value='m.ply'/>";
+  const Mesh smooth = mesh(open + "</shape>");
+  EXPECT_EQ(smooth.normals.size(), 4u);
+  EXPECT_EQ(smooth.uvs[0], V2f(0, 0.25f));
+  EXPECT_TRUE(mesh(open + "<boolean name='face_normals' value='true'/></shape>").normals.empty());
+  EXPECT_EQ(mesh(open + "<boolean name='flip_tex_coords' value='true'/></shape>").uvs[0], V2f(0, 0.75f));
+  EXPECT_LT(normal_of(mesh(open + flipped + "</shape>"), 0).z, 0.0f);
+  expect_error([&] { mesh("<shape type='ply'/>"); }, {"scene.xml:2: shape 'ply' has no filename"});
+  expect_error([&] { mesh(open + "<float name='size' value='1'/></shape>"); }, {"flip_tex_coords"});
+}
+
+TEST_F(MitsubaShapes, MeshAttributesColourMaterials) {
+  write("m.ply", coloured_ply);
+  const auto with = [&](const std::string& attribute, const std::string& more = "") {
+    return "<shape type='ply'><string name='filename' value='m.ply'/><bsdf type='diffuse'>"
+           "<texture name='reflectance' type='mesh_attribute'><string name='name' value='" +
+           attribute + "'/>" + more + "</texture></bsdf></shape>";
+  };
+  const auto albedo = [](const LoadedScene& loaded, std::uint32_t triangle, const V2f& at) {
+    const Material& material = loaded.scene.materials[loaded.scene.shapes[0].material];
+    return material.side[front].diffuse_reflectance({V2f(0, 0), V2f(0, 0), {triangle, at}});
+  };
+  const LoadedScene vertices = read(with("vertex_color"));
+  expect_near(albedo(vertices, 0, {0.25f, 0.25f}), {0.5f, 0.25f, 0.25f});
+  expect_near(albedo(vertices, 1, {0, 1}), V3f(1.0f));  // a reflectance has no more
+  EXPECT_TRUE(std::get<Mesh>(vertices.scene.shapes[0].geometry).attributes.empty());
+  const LoadedScene faces = read(with("face_heat", "<float name='scale' value='2'/>"));
+  expect_near(albedo(faces, 0, {0.3f, 0.3f}), V3f(0.5f));
+  expect_near(albedo(faces, 1, {0.3f, 0.3f}), V3f(1.0f));
+  // Means over the area: both triangles are of about one size.
+  const Material& material = faces.scene.materials[faces.scene.shapes[0].material];
+  EXPECT_NEAR(material.side[front].traits().mean_diffuse_reflectance.x, 0.75f, 1e-6f);
+  // Of lamps, too.
+  const Shape lamp = shape(
+      "<shape type='ply'><string name='filename' value='m.ply'/><emitter type='area'><texture name='radiance' "
+      "type='mesh_attribute'><string name='name' value='face_heat'/></texture></emitter></shape>");
+  EXPECT_NEAR(lamp.radiance[front].x, 1.625f, 1e-5f);
+
+  expect_error([&] { read(with("vertex_heat")); }, {"scene.xml:2", "no attribute 'vertex_heat'", "vertex_color, face_heat"});
+  expect_error([&] { read(with("heat")); }, {"scene.xml:2", "vertex_ or face_"});
+  std::string sphere = with("vertex_color");
+  sphere.replace(sphere.find("ply"), 3, "sphere");
+  sphere.erase(sphere.find("<string"), sphere.find("<bsdf") - sphere.find("<string"));
+  expect_error([&] { read(sphere); }, {"scene.xml:2", "is no mesh", "vertex_color"});
 }
 
 TEST_F(MitsubaShapes, EmittersShineFromTheFront) {

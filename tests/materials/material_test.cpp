@@ -20,7 +20,7 @@ Bitmap small_bitmap() {
   for (int i = 0; i < 4; ++i)
     for (int c = 0; c < 3; ++c)
       image->pixels[static_cast<std::size_t>(3 * i + c)] = 0.1f * static_cast<float>(i + 1);
-  return Bitmap{image};
+  return Bitmap{std::make_shared<TextureImage>(*image)};
 }
 
 TEST(MaterialSide, OneModelIsUniform) {

@@ -259,12 +259,12 @@ TEST_F(Program, SolveKnowsEverySolverAndMethod) {
 
 TEST_F(Program, ScenesWithoutLightOrDiffuseSurfacesAreSolvedToo) {
   write("dark.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  const Outcome result = run("solve dark.obj -o s.radiosity -o s.glb -o s.ply");
+  const Outcome result = run("solve dark.obj --sky 0,0,0 -o s.radiosity -o s.glb -o s.ply");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_NE(result.err.find("nothing emits light"), std::string::npos);
   // A sky makes it another scene.
   EXPECT_EQ(run("render dark.obj -o a.exr --spp 1 --size 8x8 --sky 1,1,1 --solution s.radiosity").exit_code, 1);
-  ASSERT_EQ(run("solve dark.obj -o s.radiosity --sky 1,1,1").exit_code, 0);
+  ASSERT_EQ(run("solve dark.obj -o s.radiosity").exit_code, 0);  // the same as --sky 1,1,1
   EXPECT_EQ(run("render dark.obj -o a.exr --spp 1 --size 8x8 --sky 1,1,1 --solution s.radiosity").exit_code, 0);
 }
 
@@ -297,6 +297,76 @@ TEST_F(Program, InfoTellsWhatIsThereAndWhatIsSkipped) {
   const auto dark = nlohmann::json::parse(run("info dark.obj --json").out);
   EXPECT_FALSE(dark["needs"]["radiosity_pass"]);
   EXPECT_EQ(dark["skipped"][0]["what"], "radiosity pass");
+}
+
+TEST_F(Program, InfoHelpsToFindMistakes) {
+  // A cube that is turned inside out, with one face missing, far from a camera that looks away.
+  write("room.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+        "f 1 2 3 4\nf 5 8 7 6\nf 1 5 6 2\nf 4 3 7 8\nf 1 4 8 5\nf 2 6 7 3\n");
+  write("away.xml",
+        "<scene version='3.0.0'><sensor type='perspective'><transform name='to_world'>"
+        "<lookat origin='0,0,5' target='0,0,9' up='0,1,0'/></transform></sensor>"
+        "<shape type='obj' id='cube'><string name='filename' value='room.obj'/>"
+        "<boolean name='face_normals' value='true'/></shape>"
+        "<emitter type='point'/></scene>");
+  const auto info = nlohmann::json::parse(run("info away.xml --json").out);
+  EXPECT_FALSE(info["camera"]["sees_bounds"].get<bool>());
+  EXPECT_FALSE(info["camera"]["inside_bounds"].get<bool>());
+  EXPECT_EQ(info["emitters"]["punctual"]["point"], 1);
+  EXPECT_EQ(info["shapes_by_name"][0]["name"], "cube");
+  EXPECT_TRUE(info["shapes_by_name"][0]["closed"].get<bool>());
+  EXPECT_NEAR(info["shapes_by_name"][0]["area"].get<double>(), 6.0, 1e-6);
+  const Outcome text = run("info away.xml --verbose");
+  EXPECT_NE(text.out.find("look at: the camera looks past everything"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("look at: shape 'cube' is closed and its front is inside"), std::string::npos)
+      << text.out;
+  EXPECT_NE(text.out.find("open_edges"), std::string::npos) << "a table of shapes";
+  EXPECT_NE(run("info room.obj").out.find("look at: there is no camera"), std::string::npos);
+}
+
+TEST_F(Program, WhatIsNotSupportedCanBeLeftOut) {
+  write("some.xml",
+        "<scene version='3.0.0'>\n<shape type='sdfgrid'/>\n<shape type='sphere'><bsdf type='hair'/></shape>\n"
+        "<shape type='sdfgrid'/>\n<emitter type='constant'/></scene>");
+  const Outcome refused = run("render some.xml -o a.exr --spp 1 --size 8x8");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("some.xml:3: bsdf 'hair' is not supported; supported bsdfs: "), std::string::npos)
+      << refused.err;
+  for (const char* command : {"render some.xml -o a.exr --spp 1 --size 8x8 --stats s.json",
+                              "solve some.xml -o a.ply", "info some.xml"}) {
+    const Outcome rest = run(std::string(command) + " --ignore-unsupported");
+    EXPECT_EQ(rest.exit_code, 0) << command << rest.err;
+    EXPECT_NE(rest.err.find("left out: 1 bsdf 'hair', at "), std::string::npos) << rest.err;
+    EXPECT_NE(rest.err.find("left out: 2 shapes 'sdfgrid', the first at "), std::string::npos) << rest.err;
+  }
+  EXPECT_GE(nlohmann::json::parse(read(folder_ / "s.json"))["scene"]["skipped"].size(), 2u);
+}
+
+TEST_F(Program, UnknownNamesAreFollowedByTheKnown) {
+  EXPECT_NE(run("render a.xml -o b.exr --bogus").err.find("--integrator"), std::string::npos);
+  const Outcome command = run("info --bogus x.xml");
+  EXPECT_EQ(command.exit_code, 2);
+  EXPECT_NE(command.err.find("its options:"), std::string::npos) << command.err;
+}
+
+// A window of a picture is what the whole picture has there, to the bit; .exr files remember where it lies.
+TEST_F(Program, ACropIsAPartOfThePicture) {
+  ASSERT_EQ(run("render " + box_ + "-o whole.exr --exr-type float --spp 4 --integrator path").exit_code, 0);
+  ASSERT_EQ(run("render " + box_ +
+                "-o part.exr -o part.png --exr-type float --spp 4 --integrator path --crop 10,20,16,8")
+                .exit_code,
+            0);
+  const Image whole = read_picture(folder_ / "whole.exr"), part = read_picture(folder_ / "part.exr");
+  ASSERT_EQ(part.width, 16);
+  ASSERT_EQ(part.height, 8);
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 16; ++x)
+      for (int c = 0; c < 4; ++c) ASSERT_EQ(part.at(x, y, c), whole.at(x + 10, y + 20, c)) << x << ' ' << y;
+  EXPECT_EQ(read_picture(folder_ / "part.png").width, 16);
+  const Outcome outside = run("render " + box_ + "-o part.exr --spp 1 --crop 30,0,20,8");
+  EXPECT_EQ(outside.exit_code, 1);
+  EXPECT_NE(outside.err.find("--crop: the window reaches beyond the picture"), std::string::npos);
 }
 
 TEST_F(Program, FormFactorsOfTheUnitCubeAsJson) {
@@ -338,6 +408,23 @@ TEST_F(Program, FormFactorsByEveryMethodAndAsATable) {
   EXPECT_NE(table.out.find("not closed"), std::string::npos);
   EXPECT_EQ(run("form-factors plates.obj --method hemicube --hemicube-resolution 7").exit_code, 1);
   EXPECT_EQ(run("form-factors plates.obj --hemicube-resolution 0").exit_code, 2);
+}
+
+TEST_F(Program, AnObjWithoutCameraAndLightIsShownUnderANeutralSky) {
+  write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Outcome result = run("render tri.obj -o a.exr --spp 16 --size 32x32");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("no camera and no light: all of it is framed, under a neutral sky"),
+            std::string::npos);
+  const Image image = read_picture(folder_ / "a.exr");
+  EXPECT_NEAR(image.rgb(0, 0).x, 1.0f, 1e-3f) << "the sky";
+  // Grey (0.5) under a sky of radiance 1 has the radiance 0.5.
+  bool found = false;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) found |= std::abs(image.rgb(x, y).x - 0.5f) < 0.02f;
+  EXPECT_TRUE(found);
+  EXPECT_NE(run("render tri.obj -o a.exr --spp 1 --size 8x8 --sky 0,0,0").err.find("will be black"),
+            std::string::npos);
 }
 
 TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {

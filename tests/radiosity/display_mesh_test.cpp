@@ -79,6 +79,55 @@ TEST(DisplayMesh, SpheresAreClosedToo) {
   for (const auto& [edge, count] : edges) EXPECT_EQ(count + int(edges.count({edge.second, edge.first})), 2);
 }
 
+// With and without elements; seams around a cylinder and between the quarters of a disk are none.
+TEST(DisplayMesh, AnalyticSurfacesAreWholeAndRightSideOut) {
+  const std::array<V3f, 3> axes{V3f(0, 0, 1), V3f(1, 0, 0), V3f(0, 1, 0)};
+  const std::array<V3f, 3> mirrored{axes[1], axes[0], axes[2]};
+  SceneDescription description;
+  description.materials = {one_sided("grey", Diffuse{C3f(0.5f)}), one_sided("mirror", Conductor{})};
+  const V3f middle(1, 2, 3);
+  for (const std::uint32_t material : {0u, 1u})
+    for (const bool inward : {false, true}) {
+      description.shapes.push_back({"sphere", Sphere{middle, 2.0f, inward}, material, {}});
+      description.shapes.push_back({"disk", Disk{middle, V3f(2, 0, 0), V3f(0, 1, 0), inward}, material, {}});
+      description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, axes}, material, {}});
+      description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, mirrored}, material, {}});
+    }
+  for (const Shape& shape : description.shapes) {
+    SceneDescription one;
+    one.materials = description.materials;
+    one.shapes = {shape};
+    const Scene scene(one);
+    const ElementMesh mesh = test::split_at_random(divide_surfaces(scene, 200), 2, 0.3f);
+    const DisplayMesh display = display_mesh(scene, constant_solution(mesh, 1.0f));
+    ASSERT_EQ(display.sides.size(), 1u);
+    std::size_t border = 0;
+    const auto edges = directed_edges(display);
+    for (const auto& [edge, count] : edges) {
+      EXPECT_EQ(count, 1);
+      border += edges.count({edge.second, edge.first}) == 0;
+    }
+    // Round the rim of a disk, and twice round a cylinder.
+    EXPECT_EQ(border > 0, shape.name != "sphere");
+    EXPECT_LT(border, edges.size() / 4);
+    const DisplaySide& side = display.sides[0];
+    for (const V3u& t : side.triangle) {
+      const V3f normal = (side.position[t.y] - side.position[t.x]).cross(side.position[t.z] - side.position[t.x]);
+      V3f outward = side.position[t.x] + side.position[t.y] + side.position[t.z] - middle * 3.0f;
+      if (shape.name == "disk") outward = V3f(0, 0, 1);
+      if (shape.name == "cylinder") outward.y = 0.0f;
+      const bool is_inward = std::visit(
+          [](const auto& kind) {
+            if constexpr (requires { kind.inward; }) return kind.inward;
+            if constexpr (requires { kind.reversed; }) return kind.reversed;
+            return false;
+          },
+          shape.geometry);
+      ASSERT_GT(normal.dot(outward) * (is_inward ? -1.0f : 1.0f), 0.0f) << shape.name;
+    }
+  }
+}
+
 TEST(DisplayMesh, TrianglesRunCounterClockwiseSeenFromTheirSide) {
   SceneDescription description;
   description.materials = {two_sided("both", Diffuse{C3f(0.8f)}, Diffuse{C3f(0.4f)})};

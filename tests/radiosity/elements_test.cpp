@@ -158,7 +158,7 @@ TEST(Elements, SplitMeshesFindTheirElementsAndKeepTheArea) {
     const ElementMesh::Location location = mesh.locate(look_at_point(scene, point));
     ASSERT_EQ(location.element, i);
     // The place in the element is the place in space.
-    if (mesh.is_sphere(mesh.root(i).shape)) continue;
+    if (mesh.is_analytic(mesh.root(i).shape)) continue;
     std::array<V3d, 3> corner;
     const std::array<V2i, 3> numerators = cell_corners(mesh.cell(i));
     for (int k = 0; k < 3; ++k)

@@ -11,6 +11,8 @@
 
 #include "radiosity/subdivision.h"
 #include "render/image/srgb.h"
+#include "render/load/gltf_mesh.h"
+#include "render/load/load.h"
 #include "tests/image/files.h"
 #include "tests/radiosity/test_scenes.h"
 #include "tests/radiosity/walls.h"
@@ -56,6 +58,32 @@ TEST_F(MeshFiles, GlbIsReadBackByAnotherProgramsReader) {
   }
   ASSERT_EQ(read->mRootNode->mNumChildren, scene_.shapes().size());
   EXPECT_STREQ(read->mRootNode->mChildren[0]->mName.C_Str(), "floor");
+}
+
+TEST_F(MeshFiles, OurOwnLoaderReadsTheGlbBack) {
+  write_glb(file("a.glb"), display_, scene_.shapes());
+  Notes notes;
+  const GltfDocument document = read_gltf(file("a.glb"), notes);
+  GltfLosses losses;
+  std::size_t s = 0;
+  for (const tinygltf::Mesh& mesh : document.model.meshes)
+    for (const tinygltf::Primitive& primitive : mesh.primitives) {
+      const auto read = read_gltf_primitive(document, primitive, mesh.name, losses);
+      ASSERT_TRUE(read);
+      const DisplaySide& side = display_.sides.at(s++);
+      ASSERT_EQ(read->mesh.triangles.size(), side.triangle.size());
+      ASSERT_EQ(read->colors.size(), read->mesh.positions.size());
+      for (std::size_t f = 0; f < side.triangle.size(); ++f)
+        for (int k = 0; k < 3; ++k) {
+          const std::uint32_t i = read->mesh.triangles[f][k], j = side.triangle[f][k];
+          ASSERT_EQ(read->mesh.positions[i], side.position[j]);
+          ASSERT_EQ(read->colors[i], side.color[j]);
+        }
+    }
+  EXPECT_EQ(s, display_.sides.size());
+  const LoadedScene loaded = load_scene(file("a.glb"), {});
+  ASSERT_EQ(loaded.scene.shapes.size(), display_.sides.size());
+  EXPECT_TRUE(is_emitter(loaded.scene.shapes[0]));
 }
 
 // What the specification demands of the container and of accessors.

@@ -197,8 +197,8 @@ TEST_F(SolutionFile, ErrorsSayWhatIsWrong) {
   damaged[good.size() / 2] = static_cast<char>(~damaged[good.size() / 2]);
   EXPECT_TRUE(contains(error_with(damaged, scene), "damaged"));
   EXPECT_TRUE(
-      contains(error_of([&] { (void)load_solution(file("none.radiosity"), scene); }), "cannot be read"));
-  EXPECT_TRUE(contains(error_of([&] { (void)load_solution(folder(), scene); }), "cannot be read"));
+      contains(error_of([&] { (void)load_solution(file("none.radiosity"), scene); }), "there is no such file"));
+  EXPECT_TRUE(contains(error_of([&] { (void)load_solution(folder(), scene); }), "this is a folder"));
 }
 
 TEST_F(SolutionFile, AFailedWriteLeavesTheOldFileAlone) {
@@ -269,6 +269,43 @@ TEST(SceneFingerprint, ChangesWithWhatMattersOnly) {
   }));
   EXPECT_TRUE(changed([](SceneDescription& s) { std::get<Sphere>(s.shapes[6].geometry).radius = 0.3f; }));
   EXPECT_TRUE(changed([](SceneDescription& s) { std::get<Sphere>(s.shapes[6].geometry).inward = true; }));
+
+  // Everything about the other shapes, and what is stored with meshes.
+  original.shapes.push_back({"disk", Disk{}, 0, {}});
+  original.shapes.push_back({"cylinder", Cylinder{}, 0, {}});
+  original.shapes.push_back(
+      {"copy", MeshInstance{std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 0))), {}}, 0, {}});
+  MeshColors colors{"vertex_color", std::make_shared<const MeshColors::Values>(MeshColors::Values{{{}, {}}, {}}), {}};
+  original.materials.push_back(one_sided(
+      "coloured", MaterialSide(std::make_shared<const MaterialNode>(
+                      MaterialNode{TexturedModel{Diffuse{}, {{0, Texture(colors)}}}}))));
+  original.shapes[0].material = 8;
+  const std::uint64_t with_more = print(original);
+  const auto changes = [&](auto change) {
+    SceneDescription scene = original;
+    change(scene.shapes[7 + 0].geometry, scene.shapes[8].geometry, scene.shapes[9].geometry);
+    return print(scene) != with_more;
+  };
+  using G = Geometry;
+  EXPECT_FALSE(changes([](G&, G&, G&) {}));
+  EXPECT_TRUE(changes([](G& d, G&, G&) { std::get<Disk>(d).center.x = 1; }));
+  EXPECT_TRUE(changes([](G& d, G&, G&) { std::get<Disk>(d).x.y = 1; }));
+  EXPECT_TRUE(changes([](G& d, G&, G&) { std::get<Disk>(d).y.z = 1; }));
+  EXPECT_TRUE(changes([](G& d, G&, G&) { std::get<Disk>(d).reversed = true; }));
+  EXPECT_TRUE(changes([](G&, G& c, G&) { std::get<Cylinder>(c).base.x = 1; }));
+  EXPECT_TRUE(changes([](G&, G& c, G&) { std::get<Cylinder>(c).radius = 2; }));
+  EXPECT_TRUE(changes([](G&, G& c, G&) { std::get<Cylinder>(c).length = 2; }));
+  EXPECT_TRUE(changes([](G&, G& c, G&) { std::get<Cylinder>(c).inward = true; }));
+  EXPECT_TRUE(changes([](G&, G& c, G&) { std::get<Cylinder>(c).axes[1].y = -1; }));
+  EXPECT_TRUE(changes([](G&, G&, G& i) { std::get<MeshInstance>(i).to_world.origin.x = 1; }));
+  EXPECT_TRUE(changes([](G&, G&, G& i) { std::get<MeshInstance>(i).to_world.z.z = 2; }));
+  EXPECT_TRUE(changes([](G&, G&, G& i) {
+    std::get<MeshInstance>(i).mesh =
+        std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 1e-3f)));
+  }));
+  colors.values = std::make_shared<const MeshColors::Values>(MeshColors::Values{{{}, {C3f(0, 1, 0), {}, {}}}, {}});
+  original.materials[8] = with_textures(original.materials[8], [&](const Texture&) { return Texture(colors); });
+  EXPECT_NE(print(original), with_more);
 }
 
 }  // namespace

@@ -28,12 +28,7 @@ std::vector<std::string> scenes() {
 }
 
 // Features that are refused by name, until they are there.
-const std::set<std::string> unsupported = {
-    "light_disk",          "sensor_crop",        "sensor_focal_offset",
-    "sensor_orthographic", "sensor_thinlens",    "shape_cylinder",
-    "shape_disk",          "shape_instance",     "shape_ply_face_normals",
-    "shape_ply_smooth",    "rfilter_catmullrom", "rfilter_lanczos",
-    "rfilter_mitchell"};
+const std::set<std::string> unsupported = {};
 
 // Mitsuba 3.8 weighs the mirror of a mixture as if its probability were a density, so that its highlight is
 // (0.3 + 0.7 rho cos / pi) / (0.3 + 0.7 cos / pi) of ours. Ours is exact: tests/materials/material_test.cpp.
@@ -54,17 +49,21 @@ Converged render_runs(const LoadedScene& loaded, int runs, int samples) {
   const Scene scene(loaded.scene);
   const FileSettings& settings = loaded.settings;
   const PathLimits limits{settings.max_depth, settings.rr_depth, settings.hide_emitters};
-  const auto integrator = make_integrator(IntegratorKind::path, scene, nullptr, limits);
+  const auto integrator = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, limits);
   const Camera camera(*loaded.scene.camera, settings.width, settings.height);
-  std::vector<test::Estimate> estimates(static_cast<std::size_t>(settings.width * settings.height) * 3);
+  const RayCone cone = sample_cone(camera, settings.width, settings.height, samples);
+  const PixelWindow window = settings.crop.value_or(PixelWindow{{0, 0}, {settings.width, settings.height}});
+  std::vector<test::Estimate> estimates(static_cast<std::size_t>(window.size.x * window.size.y) * 3);
   for (int run = 0; run < runs; ++run) {
-    Film film(settings.width, settings.height);
+    Film film(window.size.x, window.size.y);
     const RenderOutcome outcome = render_image({.integrator = *integrator,
                                                 .camera = camera,
                                                 .filter = settings.filter,
                                                 .goal = {.samples_per_pixel = samples},
                                                 .seed = static_cast<std::uint32_t>(run + 1),
-                                                .report_progress = {}},
+                                                .cone = cone,
+                                                .report_progress = {},
+                                                .corner = window.corner},
                                                film);
     EXPECT_EQ(outcome.non_finite_samples, 0u);
     const Image image = film.resolve();

@@ -6,6 +6,7 @@
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "tests/support/scenes.h"
+#include "tests/support/statistics.h"
 
 namespace twopass {
 namespace {
@@ -63,6 +64,70 @@ TEST(RenderImage, SameBytesOnAnyNumberOfThreads) {
   EXPECT_NE(images[0].pixels, other.resolve().pixels);
 }
 
+// A part of the picture is what the whole has there, to the bit: through a pinhole and through a lens.
+TEST(RenderImage, APartIsTheSameAsInTheWhole) {
+  const Scene scene(test::unit_room(C3f(0.7f), C3f(1.0f), C3f(0.7f)));
+  const PathTracer path(scene, {});
+  for (const double aperture : {0.0, 0.1}) {
+    CameraDescription lens = description;
+    lens.aperture_radius = aperture;
+    const Camera camera(lens, 50, 40);
+    Film whole(50, 40), part(20, 10);
+    const SamplingGoal goal{4, 0, 0};
+    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}}, whole);
+    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}, V2i(17, 25)}, part);
+    for (int y = 0; y < 10; ++y)
+      for (int x = 0; x < 20; ++x) ASSERT_EQ(part.pixel(x, y).mean(), whole.pixel(x + 17, y + 25).mean());
+  }
+}
+
+// What lies before the near and beyond the far clipping plane is not seen, but it lights and shades.
+TEST(RenderImage, ClippingPlanesCut) {
+  const Scene scene(test::unit_room(C3f(0.7f), C3f(1.0f), C3f(0.7f)));
+  const PathTracer path(scene, {});
+  const auto alpha = [&](double near_clip, double far_clip) {
+    CameraDescription clipped = description;  // looks along +y; the far wall is at depth 0.9
+    clipped.near_clip = near_clip;
+    clipped.far_clip = far_clip;
+    Film film(1, 1);
+    render_image({path, Camera(clipped, 1, 1), box_filter(1e-3f), {4, 0, 0}, 1, SamplerKind::sobol, {}}, film);
+    return film.pixel(0, 0).mean_alpha();
+  };
+  EXPECT_EQ(alpha(0.0, infinity_f), 1.0);
+  EXPECT_EQ(alpha(0.01, 0.91), 1.0);
+  EXPECT_EQ(alpha(0.01, 0.89), 0.0);
+  EXPECT_EQ(alpha(0.91, 1e4), 0.0);
+}
+
+// Pixels beside a bright edge are negative under kernels with negative lobes; the goal of noise is met all the
+// same.
+TEST(RenderImage, NegativePixelsAndNoiseGoals) {
+  class Edge final : public Integrator {
+   public:
+    void trace(std::span<PathSample> samples, RayCounts& counts) const override {
+      counts.rays += samples.size();
+      for (PathSample& sample : samples) {
+        const float noise = 0.5f + sample.sampler.next_1d();
+        sample.seen = {sample.ray.direction.x > 0.003f ? C3f(50.0f * noise) : C3f(0.0f), 1.0f};
+      }
+    }
+  };
+  Film film(24, 24);
+  const Camera camera(description, 24, 24);
+  const RenderOutcome outcome =
+      render_image({Edge(), camera, lanczos_filter(), {0, 0, 0.05}, 1, SamplerKind::sobol, {}}, film);
+  EXPECT_EQ(outcome.stop_reason, "noise");
+  EXPECT_LE(film.relative_error(), 0.05);
+  double least = 0.0;
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 24; ++x) {
+      least = std::min(least, film.pixel(x, y).mean().x);
+      ASSERT_TRUE(std::isfinite(film.pixel(x, y).mean().x));
+      ASSERT_GE(film.pixel(x, y).mean_alpha(), 0.999);
+    }
+  EXPECT_LT(least, -0.5);
+}
+
 TEST(RenderImage, NoiseGoalStopsAtTheErrorItPromises) {
   Film film(32, 32);
   const Synthetic noisy(2.0f);
@@ -106,6 +171,65 @@ TEST(RenderImage, NonFiniteSamplesAreCountedAndBlack) {
   EXPECT_EQ(outcome.non_finite_samples, 16u * 16u * 16u);  // a stratified quarter
   for (const float v : film.resolve().pixels) EXPECT_TRUE(std::isfinite(v));
   EXPECT_NEAR(film.pixel(3, 3).mean().x, 0.75, 1e-6);
+}
+
+// A floor of black and white squares that reaches to the horizon, under an even sky.
+Scene checkered_plain() {
+  SceneDescription scene;
+  Mesh floor = test::quad(V3f(-500, 0, 0), V3f(1000, 0, 0), V3f(0, 1000, 0));
+  floor.uvs = {V2f(0, 0), V2f(1, 0), V2f(1, 1), V2f(0, 1)};
+  test::add_diffuse(scene, "floor", floor, C3f(0.0f));
+  constexpr float squares = 8000.0f;
+  const Checkerboard board{C3f(1.0f), C3f(0.0f), {squares, 0, 0, 0, squares, 0}};
+  const MaterialNode node{TexturedModel{Diffuse{}, {{0, board}}}};
+  scene.materials = {one_sided("floor", MaterialSide(std::make_shared<const MaterialNode>(node)))};
+  scene.environment = Environment(C3f(1.0f));
+  return Scene(std::move(scene));
+}
+
+TEST(RenderImage, FootprintsTakeTheNoiseOutOfFineTexturesAndLeaveTheirMean) {
+  const Scene scene = checkered_plain();
+  EXPECT_TRUE(scene.has_textures());
+  const PathTracer path(scene, {.max_depth = 2});
+  const Camera camera({look_at({0, 0, 1}, {0, 10, 0}, {0, 0, 1}, "test"), 60.0, FovAxis::x}, 64, 64);
+  const auto spread = [&](const RayCone& cone) {
+    Film film(64, 64);
+    render_image({.integrator = path,
+                  .camera = camera,
+                  .filter = box_filter(),
+                  .goal = {.samples_per_pixel = 16},
+                  .cone = cone,
+                  .report_progress = {}},
+                 film);
+    const Image image = film.resolve();
+    // Just below the horizon, where a pixel holds many squares.
+    test::Estimate estimate;
+    for (int y = 32; y < 35; ++y)
+      for (int x = 0; x < 64; ++x) estimate.add(image.rgb(x, y).x);
+    return estimate;
+  };
+  const test::Estimate points = spread({}), filtered = spread(sample_cone(camera, 64, 64, 16));
+  EXPECT_LT(filtered.variance(), 0.5 * points.variance());
+  EXPECT_LT(std::abs(filtered.mean() - points.mean()), 4.0 * points.standard_error());
+  EXPECT_NEAR(filtered.mean(), 0.5, 0.03);
+}
+
+TEST(RayCone, IsNarrowerWithMoreSamplesDownToAnEighth) {
+  const Camera camera(description, 100, 50);
+  const RayCone one = sample_cone(camera, 100, 50, 1), four = sample_cone(camera, 100, 50, 4),
+                many = sample_cone(camera, 100, 50, 10000), unknown = sample_cone(camera, 100, 50, 0);
+  // 100 pixels share 60 degrees; those at the edge are the narrowest.
+  EXPECT_LT(one.spread, 2.0f * std::tan(pi_f / 6.0f) / 100.0f);
+  EXPECT_GT(one.spread, 0.5f * 2.0f * std::tan(pi_f / 6.0f) / 100.0f);
+  EXPECT_FLOAT_EQ(four.spread, one.spread / 2.0f);
+  EXPECT_FLOAT_EQ(many.spread, one.spread / 8.0f);
+  EXPECT_EQ(unknown.spread, many.spread);
+  EXPECT_EQ(one.width, 0.0f);
+  const RayCone mirrored = one.scattered(2.0f, 1e6f, true), blurred = one.scattered(2.0f, 1.0f / pi_f, false);
+  EXPECT_FLOAT_EQ(mirrored.width, 2.0f * one.spread);
+  EXPECT_EQ(mirrored.spread, one.spread);
+  EXPECT_FLOAT_EQ(blurred.spread, 0.25f * std::sqrt(pi_f));
+  EXPECT_FALSE(RayCone{}.is_open());
 }
 
 }  // namespace

@@ -11,14 +11,14 @@ namespace {
 constexpr float degree = pi_f / 180.0f;
 
 // A picture of one colour a pixel, rows from top to bottom.
-Image picture(int width, int height, std::initializer_list<float> reds) {
+Texture picture(int width, int height, std::initializer_list<float> reds) {
   Image image(width, height, {"R", "G", "B"});
   int i = 0;
   for (const float red : reds) {
     image.pixels[3 * static_cast<std::size_t>(i)] = red;
     ++i;
   }
-  return image;
+  return Bitmap{std::make_shared<TextureImage>(image)};
 }
 
 // The power that a light really sends through a sphere around it, by a fine sum over directions.
@@ -121,7 +121,7 @@ TEST(SpotLight, FadesLinearlyInTheAngle) {
 TEST(SpotLight, ProjectsItsTexture) {
   SpotLight spot;  // along +z
   spot.cutoff_angle = spot.beam_width = 45.0f * degree;
-  spot.texture = std::make_shared<const LightTexture>(picture(2, 2, {1, 2, 3, 4}));
+  spot.texture = std::make_shared<const Texture>(picture(2, 2, {1, 2, 3, 4}));
   // Pixel centres are at tangents of -1/2 and 1/2; rows run down along +y, as Mitsuba has it.
   EXPECT_NEAR(illumination(spot, V3f(-0.5f, -0.5f, 1)).irradiance.x * 1.5f, 1.0f, 1e-5f);
   EXPECT_NEAR(illumination(spot, V3f(0.5f, -0.5f, 1)).irradiance.x * 1.5f, 2.0f, 1e-5f);
@@ -140,7 +140,7 @@ TEST(DirectionalLight, IsTheSameEverywhere) {
 
 TEST(Projector, LightsAPlaneEvenly) {
   Projector projector;
-  projector.texture = std::make_shared<const LightTexture>(C3f(2, 1, 0));
+  projector.texture = std::make_shared<const Texture>(C3f(2, 1, 0));
   projector.scale = 0.5f;
   projector.tan_half_fov = 0.5f;
   for (const V3f& p : {V3f(0, 0, 3), V3f(1.4f, 0, 3), V3f(-1, 1.3f, 3)}) {
@@ -155,7 +155,7 @@ TEST(Projector, LightsAPlaneEvenly) {
 TEST(Projector, ShowsItsPictureUpright) {
   Projector projector;
   projector.tan_half_fov = 1.0f;
-  projector.texture = std::make_shared<const LightTexture>(picture(2, 2, {1, 2, 3, 4}));
+  projector.texture = std::make_shared<const Texture>(picture(2, 2, {1, 2, 3, 4}));
   const auto at = [&](float x, float y) {
     const Illumination there = illumination(projector, V3f(x, y, 1));
     return there.irradiance.x * -there.direction.z / pi_f;

@@ -16,7 +16,7 @@ inline Mesh quad(const V3f& p, const V3f& a, const V3f& b) {
 }
 
 /// Adds a shape of a one-sided diffuse material of its own.
-inline Shape& add_diffuse(SceneDescription& scene, std::string name, std::variant<Mesh, Sphere> geometry,
+inline Shape& add_diffuse(SceneDescription& scene, std::string name, Geometry geometry,
                           const C3f& reflectance, const C3f& radiance = C3f(0.0f)) {
   scene.materials.push_back(one_sided(name, Diffuse{reflectance}));
   Shape shape;

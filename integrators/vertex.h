@@ -1,0 +1,185 @@
+// A path at one of its vertices: the light that it runs into, and where it may go from there.
+#pragma once
+
+#include "integrators/clamp.h"
+#include "integrators/direct_light.h"
+
+namespace twopass {
+
+/// What a path carries from vertex to vertex. It remembers how its last direction was drawn, which is all that
+/// is needed to weigh light that it meets by chance against light that was sampled on purpose.
+struct Carried {
+  C3f throughput{1.0f};
+  float relative_ior = 1.0f;
+  float last_pdf_w = 0.0f;
+  Receiver last_receiver;  ///< the vertex that the ray left; set once last_was_specular is false
+  bool last_was_specular = true;
+  bool gathers = false;        ///< its last direction but for mirrors and glass was drawn from a broad lobe
+  int passed = 0;              ///< surfaces that it went straight through; no edge ends there
+  float passed_length = 0.0f;  ///< from the last vertex to the last of them
+};
+
+/// Lobes with less density than this, per steradian, count as broad: what they gather is blurred. Diffuse ones
+/// have at most 1 / pi.
+inline constexpr float broad_lobe_pdf_w = 1.0f;
+
+/// Russian roulette (I4) of a path that carries `share` of its importance. Paths play that carry less than a
+/// quarter, and carry it again if they survive: playing already below 1 saves few rays for much variance.
+inline float survival_probability(float share) {
+  constexpr float least_share = 0.25f;
+  return std::min(share * (1.0f / least_share), 0.95f);
+}
+
+/// What a path does at a vertex, after it has met the light there.
+enum class Step : std::uint8_t {
+  end,
+  light,             ///< samples the lights, in full, and ends. REQUIRES: the surface is not purely specular
+  scatter,           ///< goes on in a direction drawn from the scattering model
+  light_and_scatter  ///< samples the lights and goes on. REQUIRES: the surface is not purely specular
+};
+
+/// Adds what a path finds that escapes along `ray`, its edge number `edges` (I2).
+inline void escape(const Scene& scene, const PathLimits& limits, PathSample& sample, const Carried& carried,
+                   const Ray& ray, int edges) {
+  const C3f sky = scene.environment().radiance(ray.direction);
+  if (is_black(sky)) return;
+  const float weight = carried.last_was_specular
+                           ? 1.0f
+                           : power_heuristic(carried.last_pdf_w, scene.lights().escaped_pdf_w(
+                                                                     carried.last_receiver, ray.direction));
+  sample.seen.radiance += clamped(carried.throughput * sky * weight, edges - carried.passed, limits);
+}
+
+/// A path at the surface where its edge number `edges` ends: the steps that all integrators share.
+class Vertex {
+ public:
+  Vertex() = default;
+  /// REQUIRES: !hit.escaped(); everything but ray and hit outlives the vertex.
+  Vertex(const Scene& scene, const PathLimits& limits, PathSample& sample, Carried& carried, const Ray& ray,
+         const Hit& hit, int edges)
+      : scene_(&scene),
+        limits_(&limits),
+        sample_(&sample),
+        carried_(&carried),
+        direction_(ray.direction),
+        edges_(edges - carried.passed),
+        distance_(carried.passed_length + hit.t),
+        point_(scene.surface_point(ray, hit)),
+        bsdf_(&resolve()) {}
+
+  /// Adds the light met here (I2). False: the path has all the edges that it may have.
+  bool arrive() {
+    const C3f emitted = scene_->emitted_radiance(point_);
+    const bool hidden = limits_->hide_emitters && edges_ == 1 && !is_black(emitted);
+    if (edges_ == 1) sample_->seen.alpha = hidden || is_hole() ? 0.0f : 1.0f;
+    if (!is_black(emitted) && !hidden)
+      sample_->seen.radiance += clamped(carried_->throughput * emitted * emission_weight(), edges_, *limits_);
+    return limits_->max_depth < 0 || edges_ < limits_->max_depth || is_hole();
+  }
+
+  /// There is nothing here but a mask's hole: light passes straight through.
+  [[nodiscard]] bool is_hole() const { return std::holds_alternative<Null>(*bsdf_); }
+  /// Goes on in the same direction, as if there were no surface: the next ray.
+  Ray pass() {
+    ++carried_->passed;
+    carried_->passed_length = distance_;
+    return {spawn_position(point_, direction_), direction_};
+  }
+
+  /// Adds radiance that leaves the vertex along the path, and is not light met here.
+  void add(const C3f& radiance) {
+    sample_->seen.radiance += clamped(carried_->throughput * radiance, edges_ + 1, *limits_);
+  }
+
+  /// Draws the numbers that the step takes. REQUIRES: step is not `end`.
+  void draw(Step step) {
+    goes_on_ = step != Step::light;
+    samples_lights_ = step != Step::scatter && !scene_->lights().empty();
+    if (samples_lights_) u_light_ = sample_->sampler.next_2d();
+    if (goes_on_) u_direction_ = sample_->sampler.next_2d();
+  }
+  [[nodiscard]] bool goes_on() const { return goes_on_; }
+  [[nodiscard]] bool samples_lights() const { return samples_lights_; }
+  /// The light sampled here, with what it sends along the path. REQUIRES: samples_lights().
+  [[nodiscard]] Connection sample_lights() const {
+    Connection connection = sample_direct_light(
+        *scene_, point_, *bsdf_, direction_, goes_on_ ? Rival::scattered_ray : Rival::none, u_light_);
+    connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
+    return connection;
+  }
+
+  /// Takes the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
+  bool leave(Ray& next) {
+    const std::optional<BsdfSample> drawn = visit_model(*bsdf_, [this](const auto& model) {
+      // Inside, because Lambert's model does not look at where the path came from.
+      return model.sample(point_.shading.to_local(-direction_), u_direction_);
+    });
+    if (!drawn) return false;
+    const V3f direction = point_.shading.to_world(drawn->wi);
+    const float reached = agreement_of_normals(point_, direction, drawn->wi.z);
+    if (reached == 0.0f) return false;
+    Carried& carried = *carried_;
+    carried.throughput *= drawn->weight * reached;
+    carried.relative_ior *= drawn->eta;
+    carried.last_pdf_w = drawn->pdf_w;
+    carried.last_was_specular = drawn->is_specular;
+    carried.passed_length = 0.0f;
+    if (sample_->cone.is_open())
+      sample_->cone = sample_->cone.scattered(distance_, drawn->pdf_w, drawn->is_specular);
+    if (!drawn->is_specular) {
+      carried.gathers = drawn->pdf_w < broad_lobe_pdf_w;
+      carried.last_receiver = receiver_at(point_, *bsdf_);
+    }
+    next.origin = spawn_position(point_, direction);
+    next.direction = direction;
+    return edges_ < limits_->rr_depth || survives();
+  }
+
+  [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
+  [[nodiscard]] const SurfacePoint& point() const { return point_; }
+  /// Length of the edge that led to the vertex.
+  [[nodiscard]] float distance() const { return distance_; }
+  /// Whether what is seen here is blurred by the lobe that led here, with or without mirrors and glass in
+  /// between.
+  [[nodiscard]] bool gathers() const { return carried_->gathers; }
+
+ private:
+  const Bsdf& resolve() {
+    if (sample_->cone.is_open()) point_.beam_width = sample_->cone.width_at(distance_);
+    return scene_->resolve(point_, direction_, resolved_, [this] { return sample_->sampler.next_1d(); });
+  }
+
+  // All of the light where the last vertex could not have sampled it (the camera, a specular vertex), else the
+  // share of the scattered ray (I3).
+  [[nodiscard]] float emission_weight() const {
+    if (carried_->last_was_specular) return 1.0f;
+    const float light_pdf_w = scene_->lights().pdf_w(carried_->last_receiver, direction_, distance_, point_);
+    return power_heuristic(carried_->last_pdf_w, light_pdf_w);
+  }
+
+  // The square of the index of refraction undoes the compression of radiance inside glass: it is no loss of
+  // importance.
+  bool survives() {
+    C3f& throughput = carried_->throughput;
+    const float ior = carried_->relative_ior;
+    const float survival = survival_probability(max_component(throughput) * ior * ior);
+    if (sample_->sampler.next_1d() >= survival) return false;
+    throughput *= 1.0f / survival;
+    return true;
+  }
+
+  const Scene* scene_;
+  const PathLimits* limits_;
+  PathSample* sample_;
+  Carried* carried_;
+  V3f direction_;  // of the edge that led here
+  int edges_;
+  float distance_;
+  bool samples_lights_, goes_on_;
+  V2f u_light_, u_direction_;
+  SurfacePoint point_;
+  Bsdf resolved_;  // the model, where it varies over the surface; before bsdf_, which may point to it
+  const Bsdf* bsdf_;
+};
+
+}  // namespace twopass

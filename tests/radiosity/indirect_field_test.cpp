@@ -1,0 +1,162 @@
+#include "radiosity/indirect_field.h"
+
+#include <gtest/gtest.h>
+
+#include "render/core/parallel.h"
+#include "render/core/sampler.h"
+#include "render/core/warp.h"
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+Solution solve(const Scene& scene, std::size_t elements) {
+  RadiosityOptions options;
+  options.max_elements = elements;
+  options.subdivision = Subdivision::adaptive;
+  return solve_radiosity(scene, options);
+}
+
+SurfacePoint point_below(const Scene& scene, const V3f& from, const V3f& direction) {
+  const Ray ray{from, unit(direction)};
+  return scene.surface_point(ray, scene.caster().intersect(ray));
+}
+
+// A small lamp, a box on the floor, a thin wall that stands on the floor.
+SceneDescription furnished_room() {
+  SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.7f));
+  test::add_diffuse(scene, "lamp", test::quad(V3f(0.35f, 0.35f, 0.999f), V3f(0, 0.3f, 0), V3f(0.3f, 0, 0)),
+                    C3f(0.0f), C3f(10.0f));
+  test::add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f),
+                one_sided("box", Diffuse{C3f(0.6f)}));
+  const Diffuse white{C3f(0.7f)};
+  scene.materials.push_back(two_sided("wall", white, white));
+  Shape wall;
+  wall.name = "wall";
+  wall.geometry = test::quad(V3f(0.731f, 0.0f, 0.0f), V3f(0, 0.63f, 0), V3f(0, 0, 0.83f));
+  wall.material = static_cast<std::uint32_t>(scene.materials.size() - 1);
+  scene.shapes.push_back(wall);
+  return scene;
+}
+
+// What a point receives from the elements of the solution, by as many rays as it takes.
+C3f gathered(const Scene& scene, const Solution& solution, const SurfacePoint& point, std::uint32_t key) {
+  constexpr std::uint32_t rays = 4096;
+  C3f sum(0.0f);
+  for (std::uint32_t k = 0; k < rays; ++k) {
+    Sampler sampler(7, key, k);
+    const V3f direction = Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+    const Ray ray{spawn_position(point, direction), direction};
+    const Hit hit = scene.caster().intersect(ray);
+    if (hit.escaped()) continue;
+    const SurfacePoint there = scene.surface_point(ray, hit);
+    sum += scene.side(there).traits().mean_diffuse_reflectance * solution.irradiance(there).total();
+  }
+  return sum / static_cast<float>(rays);
+}
+
+TEST(IndirectField, IsConstantInAFurnace) {
+  const C3f albedo(0.7f, 0.5f, 0.3f);
+  const Scene scene(test::furnace_room(albedo, 2.0f));
+  const Solution solution = solve(scene, 1000);
+  const IndirectField field(scene, solution);
+  EXPECT_GT(field.trusted_share(), 0.5);
+  EXPECT_GT(field.rays(), 0u);
+  const auto value = field.at(point_below(scene, V3f(0.5f), V3f(0.1f, 0.2f, -1)));
+  ASSERT_TRUE(value.has_value());
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR((*value)[c], pi_f * albedo[c] * 2.0f, 0.01f * pi_f * albedo[c] * 2.0f);
+}
+
+// A ceiling of exitance 1, reflectance 1/2 everywhere: irradiance at the middle of the floor 0.39521, of a wall
+// 0.35530, less what comes straight from the ceiling; of the ceiling 0.18361.
+TEST(IndirectField, HasTheIrradianceOfTheCube) {
+  const Scene scene(test::unit_room(C3f(0.5f), C3f(1.0f / pi_f), C3f(0.5f)));
+  const Solution solution = solve(scene, 4000);
+  IndirectFieldOptions options;
+  options.least_rays = options.most_rays = 1024;
+  const IndirectField field(scene, solution, options);
+  const struct {
+    V3f direction;
+    double irradiance;
+  } cases[] = {{V3f(0, 0, -1), 0.39521 - 0.23945647046077354},
+               {V3f(1, 0, 0), 0.35530 - 0.19013588238480662},
+               {V3f(0, 0, 1), 0.18361}};
+  for (const auto& [direction, irradiance] : cases) {
+    const auto value = field.at(point_below(scene, V3f(0.503f, 0.499f, 0.501f), direction));
+    ASSERT_TRUE(value.has_value());
+    EXPECT_NEAR(value->x, irradiance, 0.02 * irradiance);
+  }
+}
+
+TEST(IndirectField, IsTrustedOnlyWhereItIsAsGoodAsGathering) {
+  const Scene scene(furnished_room());
+  const Solution solution = solve(scene, 3000);
+  const IndirectField field(scene, solution);
+  EXPECT_GT(field.trusted_share(), 0.4);
+  double squares = 0.0, worst = 0.0;
+  int trusted = 0;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    Sampler sampler(3, i, 0);
+    const V2f u = sampler.next_2d();
+    const V3f from(0.05f + 0.6f * u.x, 0.05f + 0.4f * u.y, 0.2f + 0.6f * sampler.next_1d());
+    const SurfacePoint point = point_below(scene, from, square_to_sphere(sampler.next_2d()));
+    const auto value = field.at(point);
+    if (!value) continue;
+    ++trusted;
+    const C3f truth = gathered(scene, solution, point, i);
+    const double error = std::abs(static_cast<double>(value->x - truth.x)) /
+                         static_cast<double>(truth.x + solution.irradiance(point).direct.x);
+    squares += error * error;
+    worst = std::max(worst, error);
+  }
+  ASSERT_GT(trusted, 150);
+  EXPECT_LT(std::sqrt(squares / trusted), 0.025);
+  EXPECT_LT(worst, 0.12);
+}
+
+TEST(IndirectField, IsNotTrustedAtTheFootOfAWall) {
+  const Scene scene(furnished_room());
+  const Solution solution = solve(scene, 3000);
+  const IndirectField field(scene, solution);
+  const IndirectField blind(scene, solution, {.tolerance = 1e9});
+  const SurfacePoint corner = point_below(scene, V3f(0.46f, 0.6f, 0.05f), V3f(-0.2f, 0, -1));
+  EXPECT_FALSE(field.at(corner).has_value());
+  EXPECT_LT(field.trusted_share(), 0.99);
+  EXPECT_GE(blind.trusted_share(), field.trusted_share());
+}
+
+TEST(IndirectField, LeavesCausticsAndSpheresToRays) {
+  SceneDescription description = furnished_room();
+  description.materials.push_back(one_sided("mirror", Conductor{}));
+  Shape mirror;
+  mirror.name = "mirror";
+  mirror.geometry = test::quad(V3f(0.3f, 0.02f, 0.3f), V3f(0, 0, 0.5f), V3f(0.4f, 0, 0));
+  mirror.material = static_cast<std::uint32_t>(description.materials.size() - 1);
+  description.shapes.push_back(mirror);
+  test::add_diffuse(description, "ball", Sphere{V3f(0.6f, 0.8f, 0.1f), 0.1f}, C3f(0.5f));
+  const Scene without(furnished_room()), scene(std::move(description));
+  const Solution plain = solve(without, 2000), mirrored = solve(scene, 2000);
+  EXPECT_LT(IndirectField(scene, mirrored).trusted_share(), IndirectField(without, plain).trusted_share());
+  const IndirectField field(scene, mirrored, {.tolerance = 1e9});
+  const SurfacePoint top = point_below(scene, V3f(0.6f, 0.8f, 0.5f), V3f(0, 0, -1));
+  ASSERT_TRUE(std::holds_alternative<Sphere>(scene.shapes()[top.shape].geometry));
+  EXPECT_FALSE(field.at(top).has_value());
+}
+
+TEST(IndirectField, IsTheSameOnAnyNumberOfThreads) {
+  const Scene scene(furnished_room());
+  const Solution solution = solve(scene, 1000);
+  const auto values = [&](int threads) {
+    const ThreadLimit limit(threads);
+    const IndirectField field(scene, solution);
+    std::vector<std::optional<C3f>> all;
+    for (std::uint32_t i = 0; i < 200; ++i)
+      all.push_back(field.at(
+          point_below(scene, V3f(0.1f, 0.3f, 0.6f), square_to_sphere(Sampler(5, i, 0).next_2d()))));
+    return all;
+  };
+  EXPECT_EQ(values(1), values(2));
+}
+
+}  // namespace
+}  // namespace twopass
