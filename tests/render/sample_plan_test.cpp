@@ -92,9 +92,10 @@ TEST(SampleShares, TotalsAndExpectationsAreThoseOfThePixels) {
     EXPECT_LE(shares.total(step), shares.total(step + 1));
     EXPECT_GE(shares.expected_relmse(step), shares.expected_relmse(step + 1));
   }
-  const int step = shares.step_for(1e-3, 0, 1e12);
-  EXPECT_LE(shares.expected_relmse(step), 1e-3);
-  EXPECT_GT(shares.expected_relmse(step - 1), 1e-3);
+  const double goal = shares.expected_relmse(0) / 50.0;
+  const int step = shares.step_for(goal, 0, 1e12);
+  EXPECT_LE(shares.expected_relmse(step), goal);
+  EXPECT_GT(shares.expected_relmse(step - 1), goal);
   const int bounded = shares.step_for(0.0, 0, 10000.0);
   EXPECT_LE(shares.total(bounded), 10000.0);
   EXPECT_GT(shares.total(bounded + 1), 10000.0);
