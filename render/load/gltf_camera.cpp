@@ -1,6 +1,7 @@
 #include "render/load/gltf_camera.h"
 
 #include "render/core/error.h"
+#include "render/load/mesh_tools.h"
 
 namespace twopass {
 namespace {
@@ -21,6 +22,16 @@ void set_proportions(double aspect, FileSettings& settings) {
   settings.width = static_cast<int>(std::clamp(width, 1.0, largest));
   // Of pictures more than a hundred times as wide as high, the height gives way.
   if (width > largest) settings.height = static_cast<int>(std::max(1.0, std::round(largest / aspect)));
+}
+
+void read_perspective(const tinygltf::PerspectiveCamera& lens, const std::string& node,
+                      const GltfDocument& document, CameraDescription& camera, FileSettings& settings) {
+  require(lens.yfov, 0.0, pi, node, "yfov", document);
+  camera.fov_degrees = lens.yfov * 180.0 / pi;
+  camera.fov_axis = FovAxis::y;
+  if (lens.aspectRatio == 0.0) return;  // not given
+  require(lens.aspectRatio, 0.0, 1e6, node, "aspectRatio", document);
+  set_proportions(lens.aspectRatio, settings);
 }
 
 }  // namespace
@@ -53,22 +64,22 @@ std::optional<CameraDescription> read_gltf_camera(const GltfDocument& document,
     }
     const tinygltf::Camera& camera =
         element_of(document.model.cameras, index, "camera", "node '" + node + "'", document);
-    if (camera.type != "perspective") {
-      notes.add(document.file + ": camera '" + node + "' is orthographic, which is not supported");
-      continue;
-    }
-    const tinygltf::PerspectiveCamera& lens = camera.perspective;
-    require(lens.yfov, 0.0, pi, node, "yfov", document);
     result.emplace();
-    result->fov_degrees = lens.yfov * 180.0 / pi;
-    result->fov_axis = FovAxis::y;
-    if (lens.aspectRatio != 0.0) {
-      require(lens.aspectRatio, 0.0, 1e6, node, "aspectRatio", document);
-      set_proportions(lens.aspectRatio, settings);
+    double half_width = 1.0;  // of what an orthographic camera sees
+    if (camera.type == "perspective") {
+      read_perspective(camera.perspective, node, document, *result, settings);
+    } else {
+      const tinygltf::OrthographicCamera& box = camera.orthographic;
+      require(box.xmag, 0.0, largest_coordinate, node, "xmag", document);
+      require(box.ymag, 0.0, largest_coordinate, node, "ymag", document);
+      set_proportions(box.xmag / box.ymag, settings);
+      result->projection = Projection::orthographic;
+      half_width = box.xmag;
     }
     // glTF's cameras look along -z with +x to the right, ours along +z with +x to the left.
     const GltfAxes axes = axes_of(place, document);
-    const V3d left = -axes.x, up = axes.y, forward = -axes.z, eye = row(place.to_world, 3);
+    const V3d left = axes.x * -half_width, up = axes.y * half_width, forward = -axes.z,
+              eye = row(place.to_world, 3);
     result->to_world = {left.x,    left.y,    left.z,    0.0, up.x,  up.y,  up.z,  0.0,
                         forward.x, forward.y, forward.z, 0.0, eye.x, eye.y, eye.z, 1.0};
   }

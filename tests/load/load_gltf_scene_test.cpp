@@ -135,7 +135,8 @@ TEST_F(LoadGltfScene, WhatIsNotWorthRenderingIsCounted) {
   EXPECT_TRUE(has_note(loaded, "1 triangles without area are left out"));
   EXPECT_TRUE(has_note(loaded, "morph targets are rendered without them"));
   w.document["scenes"][0]["nodes"] = {1};
-  expect_error([&] { load_gltf(w.gltf()); }, {"hangs in its scene, 2 triangles with coordinates that are not finite"});
+  expect_error([&] { load_gltf(w.gltf()); },
+               {"hangs in its scene, 2 triangles with coordinates that are not finite"});
   w.add_root({{"mesh", w.add_mesh(points)}});
   w.document["scenes"][0]["nodes"] = {2};
   expect_error([&] { load_gltf(w.gltf()); }, {"hangs in its scene, 1 primitives made of points or lines"});
@@ -176,6 +177,23 @@ TEST_F(LoadGltfScene, CamerasLookAlongMinusZ) {
   EXPECT_LT(at(200, 50).direction.z, 0.0f);        // the right edge sees the node's +x, which is -z now
   EXPECT_NEAR(std::acos(at(100, 0).direction.dot(at(100, 100).direction)), 0.5, 1e-5);
   EXPECT_GT(at(100, 0).direction.y, 0.0f);
+}
+
+TEST_F(LoadGltfScene, OrthographicCamerasSeeABox) {
+  GltfWriter w;
+  w.add_triangle();
+  w.add("cameras", {{"type", "orthographic"},
+                    {"orthographic", {{"xmag", 3.0}, {"ymag", 2.0}, {"znear", 0.1}, {"zfar", 10.0}}}});
+  w.add_root({{"camera", 0}, {"translation", {1, 2, 3}}});
+  const LoadedScene loaded = load_gltf(w.gltf());
+  EXPECT_EQ(2 * loaded.settings.width, 3 * loaded.settings.height);
+  ASSERT_TRUE(loaded.scene.camera);
+  const Camera camera(*loaded.scene.camera, 300, 200);
+  expect_near(camera.ray({0, 0}).ray.origin, {1 - 3, 2 + 2, 3});
+  expect_near(camera.ray({300, 200}).ray.origin, {1 + 3, 2 - 2, 3});
+  expect_near(camera.ray({300, 200}).ray.direction, {0, 0, -1});
+  w.document["cameras"][0]["orthographic"]["ymag"] = 0;
+  expect_error([&] { load_gltf(w.gltf()); }, {"has ymag 0"});
 }
 
 TEST_F(LoadGltfScene, CamerasThatMakeNoPictureAreRefused) {
