@@ -142,7 +142,7 @@ TEST_F(PlyFile, ErrorsNameTheLineOrTheOffset) {
   expect_refused(triangle_header + "0 0 0\n1 1e60 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11", "'y' is not finite"});
   expect_refused(triangle_header + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11", "'zero'"});
   expect_refused(triangle_header + "0 0 0\n1 0,5 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11", "'0,5'"});
-  expect_refused(triangle_header + vertices + "3 0 1", {"mesh.ply:13", "ends too early"});
+  expect_refused(triangle_header + vertices + "3 0 1", {"mesh.ply:13", "cut off"});
   expect_refused(triangle_header + vertices + "200 0 1 2\n", {"mesh.ply:13", "a list cannot have this length"});
   std::string binary = triangle_header;
   binary.replace(binary.find("ascii"), 5, "binary_little_endian");
