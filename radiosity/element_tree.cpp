@@ -363,7 +363,8 @@ NodeSurface ElementTree::surface(const TreeNode& node) const {
   const Geometry& geometry = mesh_.shapes()[root.shape].geometry;
   if (is_analytic(geometry)) {
     // Of a strip, half: enough to know the points above the polygon.
-    surface.patch = cell_patch(geometry, root.primitive, {grid[0], grid[1], grid[2]}, root.divisions, root.side);
+    surface.patch =
+        cell_patch(geometry, root.primitive, {grid[0], grid[1], grid[2]}, root.divisions, root.side);
     surface.offset = surface.patch.offset;
   } else {
     surface.offset = rounding_offset(corners(geometry, root.primitive));

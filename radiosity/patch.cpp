@@ -11,8 +11,7 @@ ElementPoint Patch::sample(const V2f& u) const {
     for (int k = 0; k < 3; ++k) direction[k] = (corner[k] - center).normalized();
     // The map wants counter-clockwise corners seen from outside.
     if (signed_radius < 0.0) std::swap(direction[1], direction[2]);
-    return on_sphere_towards(
-        square_to_spherical_triangle(u.x, u.y, direction[0], direction[1], direction[2]));
+    return on_sphere_towards(square_to_spherical_triangle(u.x, u.y, direction[0], direction[1], direction[2]));
   }
   const V2f b = square_to_triangle(u);
   if (disk || cylinder) {

@@ -95,7 +95,8 @@ constexpr std::array<V2i, 3> whole_grid{V2i(0, 0), V2i(1, 0), V2i(0, 1)};
 
 std::size_t piece_count(const Geometry& geometry) {
   if (const Mesh* mesh = mesh_of(geometry)) return mesh->triangles.size();
-  if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) return std::size_t{2} * columns * rows_of(*cylinder);
+  if (const auto* cylinder = std::get_if<Cylinder>(&geometry))
+    return std::size_t{2} * columns * rows_of(*cylinder);
   return std::holds_alternative<Disk>(geometry) ? disk_pieces : 8;
 }
 

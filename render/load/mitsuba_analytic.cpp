@@ -34,7 +34,8 @@ Disk read_mitsuba_disk(Properties& p) {
   // The normal is that of +z, wherever the other axes go; flat in z, it has none, and the winding decides.
   const auto area = static_cast<float>(area_of(disk));
   if (!(area > 0.0f) || !std::isfinite(area) || !(unit_normal(disk).length() > 0.5f))
-    throw Error(p.where("to_world"), "the disk has no area, or is too large or too small", "check the transform");
+    throw Error(p.where("to_world"), "the disk has no area, or is too large or too small",
+                "check the transform");
   check_box(box_of(disk), p);
   return disk;
 }
@@ -50,7 +51,8 @@ Cylinder read_mitsuba_cylinder(Properties& p) {
   const V3d z = (p1 - p0) / length, x = (V3d(frame.s) - z * z.dot(V3d(frame.s))).normalized(), y = z.cross(x);
   const V3d world_x = vector(m, x), world_y = vector(m, y), world_z = vector(m, z);
   const double scale = world_x.length(), tolerance = 1e-4, along = world_z.length();
-  const bool is_cylinder = scale > 0.0 && along > 0.0 && std::abs(world_y.length() - scale) <= tolerance * scale &&
+  const bool is_cylinder = scale > 0.0 && along > 0.0 &&
+                           std::abs(world_y.length() - scale) <= tolerance * scale &&
                            std::abs(world_x.dot(world_y)) <= tolerance * scale * scale &&
                            std::abs(world_x.dot(world_z)) <= tolerance * scale * along &&
                            std::abs(world_y.dot(world_z)) <= tolerance * scale * along;

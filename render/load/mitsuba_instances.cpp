@@ -27,7 +27,8 @@ MitsubaInstance read_mitsuba_instance(const XmlNode& instance, const MitsubaTree
   Properties p(instance, tree);
   const std::vector<const XmlNode*> groups = p.objects("shape");
   if (groups.size() != 1 || groups.front()->get("type") != "shapegroup")
-    throw Error(p.where(), "an instance refers to one shapegroup", "add <ref id=\"...\"/> with the id of a group");
+    throw Error(p.where(), "an instance refers to one shapegroup",
+                "add <ref id=\"...\"/> with the id of a group");
   // Groups are read where the scene lists them.
   if (std::ranges::none_of(tree.root.children, [&](const XmlNode& node) { return &node == groups.front(); }))
     throw Error(groups.front()->where(), "a shapegroup inside of another object",

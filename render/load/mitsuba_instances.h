@@ -8,8 +8,8 @@
 
 namespace twopass {
 
-/// The shapes in a <shape type="shapegroup">. Throws Error with file:line for a group without shapes or an id, for
-/// groups and instances in it, and for shapes that emit.
+/// The shapes in a <shape type="shapegroup">. Throws Error with file:line for a group without shapes or an id,
+/// for groups and instances in it, and for shapes that emit.
 std::vector<const XmlNode*> shapes_of_group(const XmlNode& group, const MitsubaTree& tree);
 
 struct MitsubaInstance {

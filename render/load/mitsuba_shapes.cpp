@@ -80,9 +80,7 @@ Geometry read_sphere(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) {
   if (!(scale > 0.0))
     throw Error(p.where("to_world"), "a sphere cannot be scaled differently along its axes",
                 "scale it uniformly, or use an OBJ mesh");
-  const auto axis = [&](int k) {
-    return V3f(V3d(to_world[k][0], to_world[k][1], to_world[k][2]) / scale);
-  };
+  const auto axis = [&](int k) { return V3f(V3d(to_world[k][0], to_world[k][1], to_world[k][2]) / scale); };
   V3d world_center;
   to_world.multVecMatrix(center, world_center);
   const double world_radius = radius * scale;
@@ -97,7 +95,9 @@ Geometry read_sphere(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) {
 }
 
 Geometry read_disk(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) { return read_mitsuba_disk(p); }
-Geometry read_cylinder(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) { return read_mitsuba_cylinder(p); }
+Geometry read_cylinder(Properties& p, const MitsubaTree&, ParsedMesh&, Notes&) {
+  return read_mitsuba_cylinder(p);
+}
 
 /// The file that a shape names.
 std::filesystem::path file_of(Properties& p, const MitsubaTree& tree) {
@@ -166,12 +166,17 @@ Geometry read_serialized_shape(Properties& p, const MitsubaTree& tree, ParsedMes
 using Reader = Geometry (*)(Properties&, const MitsubaTree&, ParsedMesh&, Notes&);
 
 constexpr Named<Reader> readers[] = {
-    {"cube", read_cube},           {"cylinder", read_cylinder},
-    {"disk", read_disk},           {"obj", read_obj_shape},
-    {"ply", read_ply_shape},       {"rectangle", read_rectangle},
-    {"serialized", read_serialized_shape}, {"sphere", read_sphere},
+    {"cube", read_cube},
+    {"cylinder", read_cylinder},
+    {"disk", read_disk},
+    {"obj", read_obj_shape},
+    {"ply", read_ply_shape},
+    {"rectangle", read_rectangle},
+    {"serialized", read_serialized_shape},
+    {"sphere", read_sphere},
     // Read elsewhere; named here for those who misspell them.
-    {"shapegroup", nullptr},       {"instance", nullptr},
+    {"shapegroup", nullptr},
+    {"instance", nullptr},
 };
 
 void read_area_emitter(Shape& shape, const XmlNode& node, const MitsubaTree& tree, MitsubaTextures& textures) {

@@ -16,8 +16,8 @@ using NamedShapes = std::vector<std::pair<const XmlNode*, std::string>>;
 
 /// The shapes that the elements describe, in their order, with their materials and what they emit. Materials
 /// and lights are read first, then all meshes in parallel, those of the same file and options once. Shapes none
-/// of whose triangles has an area come back without triangles. Throws Error with file:line for what is not supported: the one
-/// that reading one after the other would have met first.
+/// of whose triangles has an area come back without triangles. Throws Error with file:line for what is not
+/// supported: the one that reading one after the other would have met first.
 std::vector<Shape> read_mitsuba_shapes(const NamedShapes& elements, const MitsubaTree& tree,
                                        MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes);
 

@@ -38,7 +38,8 @@ std::vector<PlyAttribute> ply_attributes(const PlyElement& element, const std::s
   for (std::size_t i = 0; i < count; ++i) {
     if (!is_free(i)) continue;
     const std::string& name = element.properties[i].name;
-    const std::string stem = name.size() > 2 && name[name.size() - 2] == '_' ? name.substr(0, name.size() - 1) : "";
+    const std::string stem =
+        name.size() > 2 && name[name.size() - 2] == '_' ? name.substr(0, name.size() - 1) : "";
     const PlyAttribute number{prefix + name, {i, i, i}};
     bool is_run = false;
     for (const std::string_view ends : {"xyz", "rgb", "012", "123"}) {

@@ -50,12 +50,12 @@ class AsciiCursor : public Cursor {
     double value = 0.0;
     const auto [after, code] = std::from_chars(at_, end_, value);
     if (at_ == end_) fail("the file ends too early", "it is cut off, or its header promises too much");
-    const bool is_whole =
-        after == end_ || *after == ' ' || *after == '\n' || *after == '\r' || *after == '\t';
+    const bool is_whole = after == end_ || *after == ' ' || *after == '\n' || *after == '\r' || *after == '\t';
     // 1e-320 is a number, too: out of range means that the result is unchanged.
     if ((code != std::errc() && code != std::errc::result_out_of_range) || !is_whole)
       fail("this is no number: " + in_quotes(word()), "correct it");
-    if (is_integer(type) && value != std::trunc(value)) fail("this is no integer: " + in_quotes(word()), "correct it");
+    if (is_integer(type) && value != std::trunc(value))
+      fail("this is no integer: " + in_quotes(word()), "correct it");
     at_ = after;
     return value;
   }
@@ -77,16 +77,25 @@ class BinaryCursor : public Cursor {
   [[noreturn]] void fail(const std::string& what, const std::string& hint) const { fail_at_byte(what, hint); }
 
   double number(PlyType type) {
-    if (left() < size_of(type)) fail("the file ends too early", "it is cut off, or its header promises too much");
+    if (left() < size_of(type))
+      fail("the file ends too early", "it is cut off, or its header promises too much");
     switch (type) {
-      case PlyType::int8: return take<std::int8_t>();
-      case PlyType::uint8: return take<std::uint8_t>();
-      case PlyType::int16: return take<std::int16_t>();
-      case PlyType::uint16: return take<std::uint16_t>();
-      case PlyType::int32: return take<std::int32_t>();
-      case PlyType::uint32: return take<std::uint32_t>();
-      case PlyType::float32: return double{take<float>()};
-      case PlyType::float64: break;
+      case PlyType::int8:
+        return take<std::int8_t>();
+      case PlyType::uint8:
+        return take<std::uint8_t>();
+      case PlyType::int16:
+        return take<std::int16_t>();
+      case PlyType::uint16:
+        return take<std::uint16_t>();
+      case PlyType::int32:
+        return take<std::int32_t>();
+      case PlyType::uint32:
+        return take<std::uint32_t>();
+      case PlyType::float32:
+        return double{take<float>()};
+      case PlyType::float64:
+        break;
     }
     return take<double>();
   }
@@ -102,8 +111,8 @@ class BinaryCursor : public Cursor {
   }
 };
 
-const std::vector<std::string_view> vertex_names{"x", "y", "z", "nx",        "ny",       "nz", "u",
-                                                 "v", "s", "t", "texture_u", "texture_v"};
+const std::vector<std::string_view> vertex_names{"x", "y", "z", "nx", "ny",        "nz",
+                                                 "u", "v", "s", "t",  "texture_u", "texture_v"};
 
 /// Reads the elements of one file into a mesh.
 template <class Numbers>
@@ -119,7 +128,8 @@ class PlyReader {
     if (!faces) throw Error(file_, "the file has no faces", "a cloud of points cannot be rendered");
     vertices_ = vertices->count;
     if (vertices_ > no_vertex)
-      throw Error(file_, std::to_string(vertices_) + " vertices are more than can be numbered", "divide the mesh");
+      throw Error(file_, std::to_string(vertices_) + " vertices are more than can be numbered",
+                  "divide the mesh");
     for (const PlyElement& element : header_.elements) {
       check_size(element);
       if (&element == vertices)
@@ -130,7 +140,8 @@ class PlyReader {
         skip(element);
     }
     if (left_out_ > 0)
-      notes_.add(file_ + ": " + std::to_string(left_out_) + " faces with fewer than three corners are left out");
+      notes_.add(file_ + ": " + std::to_string(left_out_) +
+                 " faces with fewer than three corners are left out");
     cut_polygons();
     return std::move(mesh_);
   }
@@ -277,7 +288,8 @@ class PlyReader {
     return attributes;
   }
 
-  void add_attributes(const PlyElement& element, const std::vector<PlyAttribute>& attributes, std::size_t first) {
+  void add_attributes(const PlyElement& element, const std::vector<PlyAttribute>& attributes,
+                      std::size_t first) {
     for (std::size_t a = 0; a < attributes.size(); ++a) {
       C3f value;
       for (int c = 0; c < 3; ++c) {
@@ -314,7 +326,8 @@ Mesh read_ply(const std::filesystem::path& path, Notes& notes) {
       return PlyReader(AsciiCursor(text, header, file), header, notes, file).run();
     case PlyFormat::big_endian:
       return PlyReader(BinaryCursor<std::endian::big>(text, header, file), header, notes, file).run();
-    case PlyFormat::little_endian: break;
+    case PlyFormat::little_endian:
+      break;
   }
   return PlyReader(BinaryCursor<std::endian::little>(text, header, file), header, notes, file).run();
 }

@@ -9,11 +9,11 @@ namespace twopass {
 namespace {
 
 constexpr Named<PlyType> types[] = {
-    {"char", PlyType::int8},       {"uchar", PlyType::uint8},   {"short", PlyType::int16},
-    {"ushort", PlyType::uint16},   {"int", PlyType::int32},     {"uint", PlyType::uint32},
+    {"char", PlyType::int8},       {"uchar", PlyType::uint8},    {"short", PlyType::int16},
+    {"ushort", PlyType::uint16},   {"int", PlyType::int32},      {"uint", PlyType::uint32},
     {"float", PlyType::float32},   {"double", PlyType::float64}, {"int8", PlyType::int8},
-    {"uint8", PlyType::uint8},     {"int16", PlyType::int16},   {"uint16", PlyType::uint16},
-    {"int32", PlyType::int32},     {"uint32", PlyType::uint32}, {"float32", PlyType::float32},
+    {"uint8", PlyType::uint8},     {"int16", PlyType::int16},    {"uint16", PlyType::uint16},
+    {"int32", PlyType::int32},     {"uint32", PlyType::uint32},  {"float32", PlyType::float32},
     {"float64", PlyType::float64},
 };
 constexpr Named<PlyFormat> formats[] = {{"ascii", PlyFormat::ascii},

@@ -93,7 +93,8 @@ class MeshReader {
       for (V3f& n : mesh.normals) n = unit(n);
     }
     if (flags & texture_coordinates) read_floats(vertices, mesh.uvs);
-    if (flags & colors) read_floats(vertices, mesh.attributes.emplace_back(MeshAttribute{"vertex_color", {}}).values);
+    if (flags & colors)
+      read_floats(vertices, mesh.attributes.emplace_back(MeshAttribute{"vertex_color", {}}).values);
     read_triangles(triangles, static_cast<std::uint32_t>(vertices), mesh.triangles);
     return result;
   }
@@ -122,8 +123,8 @@ class MeshReader {
   void check_counts(std::uint32_t flags, std::uint64_t vertices, std::uint64_t triangles) const {
     if (vertices > 0xffffffffu || triangles > 0xffffffffu)
       fail("more than 4294967295 vertices or triangles", "divide the mesh, or the file is damaged");
-    const std::uint64_t floats = 3 + (flags & normals ? 3 : 0) + (flags & texture_coordinates ? 2 : 0) +
-                                 (flags & colors ? 3 : 0);
+    const std::uint64_t floats =
+        3 + (flags & normals ? 3 : 0) + (flags & texture_coordinates ? 2 : 0) + (flags & colors ? 3 : 0);
     const std::uint64_t bytes = vertices * floats * (is_double_ ? 8 : 4) + triangles * 12;
     if (bytes / Inflater::largest_ratio > compressed_.size())
       fail(std::to_string(vertices) + " vertices and " + std::to_string(triangles) +

@@ -75,8 +75,8 @@ std::array<V3f, 3> turned(const std::array<V3f, 3>& axes, const M44d& m, double 
 /// An analytic surface where `m` puts it. REQUIRES: for spheres and cylinders `scale` > 0.
 Geometry placed(const Geometry& geometry, const M44d& m, double scale) {
   if (const auto* sphere = std::get_if<Sphere>(&geometry))
-    return Sphere{V3f(point(m, V3d(sphere->center))), static_cast<float>(sphere->radius * scale), sphere->inward,
-                  turned(sphere->axes, m, scale)};
+    return Sphere{V3f(point(m, V3d(sphere->center))), static_cast<float>(sphere->radius * scale),
+                  sphere->inward, turned(sphere->axes, m, scale)};
   if (const auto* disk = std::get_if<Disk>(&geometry))
     return Disk{V3f(point(m, V3d(disk->center))), V3f(vector(m, V3d(disk->x))), V3f(vector(m, V3d(disk->y))),
                 disk->reversed != is_mirroring(m)};
@@ -91,7 +91,8 @@ Geometry placed(const Geometry& geometry, const M44d& m, double scale) {
 double similarity_scale(const M44d& to_world) {
   const V3d x = row(to_world, 0), y = row(to_world, 1), z = row(to_world, 2);
   const double scale = x.length(), tolerance = 1e-4 * scale;  // exporters write six digits
-  const bool is_similar = std::abs(y.length() - scale) <= tolerance && std::abs(z.length() - scale) <= tolerance &&
+  const bool is_similar = std::abs(y.length() - scale) <= tolerance &&
+                          std::abs(z.length() - scale) <= tolerance &&
                           std::abs(x.dot(y)) <= tolerance * scale && std::abs(y.dot(z)) <= tolerance * scale &&
                           std::abs(z.dot(x)) <= tolerance * scale;
   return is_similar ? scale : 0.0;
@@ -145,8 +146,8 @@ std::vector<Shape> ShapeGroup::place(const M44d& to_world, const std::string& na
     shapes.push_back(std::move(shape));
   }
   const Box3f box = bounds_of(shapes);
-  if (!box.isEmpty() && !(max_abs_component(box.min) <= largest_coordinate &&
-                          max_abs_component(box.max) <= largest_coordinate))
+  if (!box.isEmpty() &&
+      !(max_abs_component(box.min) <= largest_coordinate && max_abs_component(box.max) <= largest_coordinate))
     throw Error(where, "a transformed coordinate is not finite or larger than 1e12",
                 "use larger units or check the transform");
   return shapes;

@@ -20,7 +20,8 @@ class ShapeGroup {
   /// share a mirrored one). Disks stay disks, and under similarities spheres and cylinders what they are;
   /// stretched or sheared, they become fine meshes, with a note. Throws Error at `where` for transforms that
   /// flatten the group or carry it too far away.
-  std::vector<Shape> place(const M44d& to_world, const std::string& name, const std::string& where, Notes& notes);
+  std::vector<Shape> place(const M44d& to_world, const std::string& name, const std::string& where,
+                           Notes& notes);
 
  private:
   std::shared_ptr<const Mesh> shared_mesh(std::size_t member, bool mirrored);

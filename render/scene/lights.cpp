@@ -357,8 +357,7 @@ float Lights::pdf_w(const Receiver& receiver, const V3f& direction, float distan
   const V3f to_center = sphere.center - receiver.position;
   const float d2 = to_center.dot(to_center);
   if (sees_cone(sphere.radius, d2)) return probability * cone_pdf_w(one_minus_cos_max(sphere.radius, d2));
-  return probability *
-         pdf_w_of_area(1.0f / (4.0f * pi_f * sphere.radius * sphere.radius), distance2, cosine);
+  return probability * pdf_w_of_area(1.0f / (4.0f * pi_f * sphere.radius * sphere.radius), distance2, cosine);
 }
 
 float Lights::escaped_pdf_w(const Receiver&, const V3f& direction) const {

@@ -56,8 +56,8 @@ Parametrization parametrization(const Cylinder& cylinder, const V3f& position) {
   float along;
   const V3f outward = outward_at(cylinder, position, along);
   const float x = outward.dot(ax), y = outward.dot(ay), turns = std::atan2(y, x) / (2.0f * pi_f);
-  return {V2f(turns < 0.0f ? turns + 1.0f : turns, along),
-          (ay * x - ax * y) * (2.0f * pi_f * cylinder.radius), az * cylinder.length};
+  return {V2f(turns < 0.0f ? turns + 1.0f : turns, along), (ay * x - ax * y) * (2.0f * pi_f * cylinder.radius),
+          az * cylinder.length};
 }
 
 V2f barycentric_at(const std::array<V3f, 3>& p, const V3f& position) {

@@ -13,7 +13,8 @@ namespace {
 std::vector<std::byte> compressed(const std::string& text) {
   uLongf size = compressBound(text.size());
   std::vector<std::byte> result(size);
-  compress(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size());
+  compress(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(text.data()),
+           text.size());
   result.resize(size);
   return result;
 }

@@ -94,7 +94,8 @@ TEST_F(MitsubaShapes, SpheresStayRound) {
 
 TEST_F(MitsubaShapes, DisksByTransform) {
   const auto disk = [&](const std::string& steps) {
-    return std::get<Disk>(shape("<shape type='disk'><transform name='to_world'>" + steps + "</transform></shape>").geometry);
+    return std::get<Disk>(
+        shape("<shape type='disk'><transform name='to_world'>" + steps + "</transform></shape>").geometry);
   };
   const Disk plain = std::get<Disk>(shape("<shape type='disk'/>").geometry);
   expect_near(unit_normal(plain), {0, 0, 1});
@@ -106,7 +107,8 @@ TEST_F(MitsubaShapes, DisksByTransform) {
   // The normal is that of +z, through mirrors too; flip_normals turns it.
   expect_near(unit_normal(disk("<scale x='-1'/>")), {0, 0, 1});
   expect_near(unit_normal(disk("<scale z='-1'/>")), {0, 0, -1});
-  expect_near(unit_normal(std::get<Disk>(shape("<shape type='disk'>" + flipped + "</shape>").geometry)), {0, 0, -1});
+  expect_near(unit_normal(std::get<Disk>(shape("<shape type='disk'>" + flipped + "</shape>").geometry)),
+              {0, 0, -1});
   EXPECT_NEAR(area_of(disk("<scale x='3'/>")), 3.0 * pi, 1e-5);  // an ellipse
   expect_error([&] { disk("<scale x='0'/>"); }, {"scene.xml:2", "no area"});
   expect_error([&] { disk("<translate x='1e15'/>"); }, {"scene.xml:2", "too far away"});
@@ -114,10 +116,12 @@ TEST_F(MitsubaShapes, DisksByTransform) {
 
 TEST_F(MitsubaShapes, CylindersByTheirEndsAndTransform) {
   const std::string ends =
-      "<point name='p0' x='1' y='0' z='0'/><point name='p1' x='1' y='2' z='0'/><float name='radius' value='0.5'/>";
+      "<point name='p0' x='1' y='0' z='0'/><point name='p1' x='1' y='2' z='0'/><float name='radius' "
+      "value='0.5'/>";
   const auto cylinder = [&](const std::string& steps) {
     return std::get<Cylinder>(
-        shape("<shape type='cylinder'>" + ends + "<transform name='to_world'>" + steps + "</transform></shape>").geometry);
+        shape("<shape type='cylinder'>" + ends + "<transform name='to_world'>" + steps + "</transform></shape>")
+            .geometry);
   };
   const Cylinder plain = std::get<Cylinder>(shape("<shape type='cylinder'/>").geometry);
   EXPECT_EQ(plain.length, 1.0f);
@@ -133,13 +137,15 @@ TEST_F(MitsubaShapes, CylindersByTheirEndsAndTransform) {
   EXPECT_TRUE(std::get<Cylinder>(shape("<shape type='cylinder'>" + flipped + "</shape>").geometry).inward);
   expect_error([&] { cylinder("<scale x='3'/>"); }, {"scene.xml:2", "what is none"});
   expect_error([&] { cylinder("<matrix value='1 0.3 0 0 1 0 0 0 1'/>"); }, {"scene.xml:2", "what is none"});
-  expect_error([&] { shape("<shape type='cylinder'>\n<float name='radius' value='-1'/></shape>"); }, {"scene.xml:3"});
+  expect_error([&] { shape("<shape type='cylinder'>\n<float name='radius' value='-1'/></shape>"); },
+               {"scene.xml:3"});
   expect_error([&] { shape("<shape type='cylinder'>\n<point name='p1' value='0'/></shape>"); },
                {"scene.xml:3", "must differ"});
 }
 
 const std::string coloured_ply =
-    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n"
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty "
+    "float u\n"
     "property float v\nproperty float r\nproperty float g\nproperty float b\nelement face 2\n"
     "property list uchar int vertex_indices\nproperty float heat\nend_header\n"
     "0 0 0 0 0.25 1 0 0\n1 0 0 1 0.25 0 1 0\n1 1 1 1 1 0 0 1\n0 1 0 0 1 2 2 2\n3 0 1 2 0.25\n3 0 2 3 3\n";
@@ -185,7 +191,8 @@ TEST_F(MitsubaShapes, MeshAttributesColourMaterials) {
       "type='mesh_attribute'><string name='name' value='face_heat'/></texture></emitter></shape>");
   EXPECT_NEAR(lamp.radiance[front].x, 1.625f, 1e-5f);
 
-  expect_error([&] { read(with("vertex_heat")); }, {"scene.xml:2", "no attribute 'vertex_heat'", "vertex_color, face_heat"});
+  expect_error([&] { read(with("vertex_heat")); },
+               {"scene.xml:2", "no attribute 'vertex_heat'", "vertex_color, face_heat"});
   expect_error([&] { read(with("heat")); }, {"scene.xml:2", "vertex_ or face_"});
   std::string sphere = with("vertex_color");
   sphere.replace(sphere.find("ply"), 3, "sphere");

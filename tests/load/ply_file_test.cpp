@@ -79,7 +79,8 @@ TEST_F(PlyFile, BinaryInBothByteOrders) {
 
 TEST_F(PlyFile, NormalsCoordinatesUnknownPropertiesAndElements) {
   const Mesh mesh = read(
-      "ply\nformat ascii 1.0\nobj_info x\nelement camera 1\nproperty float view_x\nproperty list uchar float mess\n"
+      "ply\nformat ascii 1.0\nobj_info x\nelement camera 1\nproperty float view_x\nproperty list uchar float "
+      "mess\n"
       "element face 2\nproperty list uchar uint other\nproperty list int uint vertex_index\n"
       "element vertex 3\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float z\n"
       "property float y\nproperty float x\nproperty float s\nproperty float t\nproperty float quality\n"
@@ -100,14 +101,17 @@ TEST_F(PlyFile, NormalsCoordinatesUnknownPropertiesAndElements) {
 TEST_F(PlyFile, AttributesByTheirEndings) {
   const Mesh mesh = read(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float a_x\nproperty float a_y\nproperty float a_z\nproperty float tint_r\nproperty float tint_g\n"
-      "property float tint_b\nproperty float k_1\nproperty float k_2\nproperty float k_3\nproperty float lone_x\n"
+      "property float a_x\nproperty float a_y\nproperty float a_z\nproperty float tint_r\nproperty float "
+      "tint_g\n"
+      "property float tint_b\nproperty float k_1\nproperty float k_2\nproperty float k_3\nproperty float "
+      "lone_x\n"
       "element face 1\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n"
       "property uchar blue\nend_header\n"
       "0 0 0 1 2 3 4 5 6 7 8 9 10\n1 0 0 1 2 3 4 5 6 7 8 9 10\n0 1 0 1 2 3 4 5 6 7 8 9 10\n3 0 1 2 255 0 0\n");
   std::vector<std::string> names;
   for (const MeshAttribute& attribute : mesh.attributes) names.push_back(attribute.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"vertex_a", "vertex_tint_color", "vertex_k", "vertex_lone_x", "face_color"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"vertex_a", "vertex_tint_color", "vertex_k", "vertex_lone_x",
+                                             "face_color"}));
   EXPECT_EQ(mesh.attributes[2].values[0], C3f(7, 8, 9));
   EXPECT_EQ(mesh.attributes[4].values[0], C3f(1, 0, 0));
 }
@@ -124,10 +128,13 @@ TEST_F(PlyFile, ErrorsNameTheLineOrTheOffset) {
   expect_refused("ply\nformat ascii 2.0\nend_header\n", {"mesh.ply:2", "supported: format ... 1.0"});
   expect_refused("ply\nformat text 1.0\nend_header\n", {"mesh.ply:2", "'text'", "binary_little_endian"});
   expect_refused("ply\nformat ascii 1.0\nelement vertex -1\nend_header\n", {"mesh.ply:3"});
-  expect_refused("ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nend_header\n", {"mesh.ply:4", "'quad'", "float32"});
+  expect_refused("ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nend_header\n",
+                 {"mesh.ply:4", "'quad'", "float32"});
   expect_refused("ply\nformat ascii 1.0\nproperty float x\nend_header\n", {"mesh.ply:3"});
-  expect_refused("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
-                 {"no faces", "cloud of points"});
+  expect_refused(
+      "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float "
+      "z\nend_header\n",
+      {"no faces", "cloud of points"});
   expect_refused(triangle_header + vertices + "3 0 1 3\n", {"mesh.ply:13", "vertex 3", "there are 3"});
   expect_refused(triangle_header + vertices + "3 0 1 -1\n", {"mesh.ply:13", "vertex -1"});
   expect_refused(triangle_header + vertices + "3 0 1 1.5\n", {"mesh.ply:13", "no integer"});
@@ -135,11 +142,12 @@ TEST_F(PlyFile, ErrorsNameTheLineOrTheOffset) {
   expect_refused(triangle_header + "0 0 0\n1 1e60 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11", "'y' is not finite"});
   expect_refused(triangle_header + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11", "'zero'"});
   expect_refused(triangle_header + "0 0 0\n1 0,5 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11", "'0,5'"});
-  expect_refused(triangle_header + vertices + "3 0 1", {"mesh.ply:13", "ends too early"});
+  expect_refused(triangle_header + vertices + "3 0 1", {"mesh.ply:13", "cut off"});
   expect_refused(triangle_header + vertices + "200 0 1 2\n", {"mesh.ply:13", "a list cannot have this length"});
   std::string binary = triangle_header;
   binary.replace(binary.find("ascii"), 5, "binary_little_endian");
-  expect_refused(binary + std::string(36, '\0') + "\x03" + std::string("\0\0\0\0\1\0\0\0\7\0\0\0", 12), {": offset ", "vertex 7"});
+  expect_refused(binary + std::string(36, '\0') + "\x03" + std::string("\0\0\0\0\1\0\0\0\7\0\0\0", 12),
+                 {": offset ", "vertex 7"});
   expect_refused(binary + std::string(36, '\0') + "\x03" + std::string(5, '\0'), {": offset "});
 }
 

@@ -19,7 +19,8 @@ void put(std::string& to, T value) {
 std::string compressed(const std::string& text) {
   uLongf size = compressBound(text.size());
   std::string result(size, ' ');
-  compress(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size());
+  compress(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(text.data()),
+           text.size());
   result.resize(size);
   return result;
 }
@@ -96,7 +97,8 @@ TEST_F(SerializedFile, EveryFlagInBothVersionsAndPrecisions) {
         EXPECT_EQ(m.attributes.size(), flags & 8u ? 1u : 0u);
         for (const MeshAttribute& attribute : m.attributes) {
           EXPECT_EQ(attribute.name, "vertex_color");
-          EXPECT_EQ(attribute.values, (std::vector<C3f>{C3f(1, 0, 0), C3f(0, 1, 0), C3f(0, 0, 1), C3f(1, 1, 1)}));
+          EXPECT_EQ(attribute.values,
+                    (std::vector<C3f>{C3f(1, 0, 0), C3f(0, 1, 0), C3f(0, 0, 1), C3f(1, 1, 1)}));
         }
       }
 }
@@ -118,7 +120,8 @@ TEST_F(SerializedFile, HostileFilesAreOneError) {
   expect_error([&] { read(prefix(5) + good.substr(4)); }, {"version 5", "3 and 4"});
   expect_error([&] { read(prefix(4) + std::string(100, 'x')); }, {"mesh at offset 0", "ends too early"});
   // Four billion vertices in a few bytes, and what overflows when multiplied.
-  for (const std::uint64_t many : {std::uint64_t{4000000000}, std::uint64_t{1} << 33, std::uint64_t{1} << 62, ~std::uint64_t{0}}) {
+  for (const std::uint64_t many :
+       {std::uint64_t{4000000000}, std::uint64_t{1} << 33, std::uint64_t{1} << 62, ~std::uint64_t{0}}) {
     Options vertices, triangles;
     vertices.vertices = triangles.triangles = many;
     expect_error([&] { read(file(4, {mesh(vertices)})); }, {"mesh at offset 0"});

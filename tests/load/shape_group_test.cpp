@@ -21,8 +21,8 @@ std::string instance(const std::string& steps) {
 }
 
 TEST_F(ShapeGroups, ShapesStandWhereTheirInstancesSay) {
-  const LoadedScene loaded = read(group + instance("<translate x='5'/>") +
-                                  instance("<rotate y='1' angle='90'/><scale value='2'/>"));
+  const LoadedScene loaded =
+      read(group + instance("<translate x='5'/>") + instance("<rotate y='1' angle='90'/><scale value='2'/>"));
   ASSERT_EQ(loaded.scene.shapes.size(), 6u);
   const auto& a = std::get<MeshInstance>(loaded.scene.shapes[0].geometry);
   const auto& b = std::get<MeshInstance>(loaded.scene.shapes[3].geometry);
@@ -40,7 +40,8 @@ TEST_F(ShapeGroups, ShapesStandWhereTheirInstancesSay) {
 
 // The front of a mirror image is the mirror image of the front.
 TEST_F(ShapeGroups, MirrorImagesKeepTheirFronts) {
-  const LoadedScene loaded = read(group + instance("<scale x='-1'/><translate x='3'/>") + instance("<scale z='-1'/>"));
+  const LoadedScene loaded =
+      read(group + instance("<scale x='-1'/><translate x='3'/>") + instance("<scale z='-1'/>"));
   for (const std::size_t first : {0u, 3u}) {
     const Geometry& mesh = loaded.scene.shapes[first].geometry;
     const V3f expected(0, 0, first == 0 ? 1.0f : -1.0f);
@@ -89,8 +90,9 @@ TEST_F(ShapeGroups, WhatCannotBeIsNamed) {
                {"scene.xml:3", "not nested"});
   expect_error([&] { read(group + "<shape type='shapegroup' id='h'>\n<shape type='shapegroup'/></shape>"); },
                {"scene.xml:3", "not nested"});
-  expect_error([&] { read(group + "<shape type='instance'><ref id='g'/><float name='size' value='1'/></shape>"); },
-               {"size"});
+  expect_error(
+      [&] { read(group + "<shape type='instance'><ref id='g'/><float name='size' value='1'/></shape>"); },
+      {"size"});
 }
 
 }  // namespace

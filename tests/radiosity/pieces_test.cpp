@@ -60,8 +60,10 @@ TEST(Pieces, CellsOfDisksAndCylindersAreOfEqualArea) {
     constexpr std::uint32_t n = 5;
     for (std::uint32_t p = 0; p < piece_count(geometry); ++p) {
       const double whole = piece_patch(geometry, p, front).area;
-      EXPECT_NEAR(cell_patch(geometry, p, {V2i(1, 2), V2i(2, 2), V2i(1, 3)}, n, front).area, whole / 25, 1e-9 * whole);
-      EXPECT_NEAR(cell_patch(geometry, p, {V2i(1, 1), V2i(0, 1), V2i(1, 0)}, n, front).area, whole / 25, 1e-9 * whole);
+      EXPECT_NEAR(cell_patch(geometry, p, {V2i(1, 2), V2i(2, 2), V2i(1, 3)}, n, front).area, whole / 25,
+                  1e-9 * whole);
+      EXPECT_NEAR(cell_patch(geometry, p, {V2i(1, 1), V2i(0, 1), V2i(1, 0)}, n, front).area, whole / 25,
+                  1e-9 * whole);
     }
   }
 }
@@ -155,12 +157,8 @@ TEST(Pieces, ElementsAreFoundFromWhatRaysMeet) {
   }
 }
 
-Disk facing_up(float z, float radius) {
-  return {V3f(0, 0, z), V3f(radius, 0, 0), V3f(0, radius, 0), false};
-}
-Disk facing_down(float z, float radius) {
-  return {V3f(0, 0, z), V3f(radius, 0, 0), V3f(0, radius, 0), true};
-}
+Disk facing_up(float z, float radius) { return {V3f(0, 0, z), V3f(radius, 0, 0), V3f(0, radius, 0), false}; }
+Disk facing_down(float z, float radius) { return {V3f(0, 0, z), V3f(radius, 0, 0), V3f(0, radius, 0), true}; }
 
 // radiosity.md has these with 30 digits: (3 - sqrt 5) / 2 and others.
 TEST(Pieces, FormFactorsOfCoaxialDisks) {
@@ -189,8 +187,8 @@ SceneDescription can(const C3f& reflectance, float radiance) {
   SceneDescription description;
   test::add_diffuse(description, "bottom", facing_up(0, 1), reflectance, C3f(radiance));
   test::add_diffuse(description, "wall",
-                    Cylinder{V3f(0.0f), 1.0f, 2.0f, true, {V3f(1, 0, 0), V3f(0, 1, 0), V3f(0, 0, 1)}}, reflectance,
-                    C3f(radiance));
+                    Cylinder{V3f(0.0f), 1.0f, 2.0f, true, {V3f(1, 0, 0), V3f(0, 1, 0), V3f(0, 0, 1)}},
+                    reflectance, C3f(radiance));
   test::add_diffuse(description, "top", facing_down(2, 1), reflectance, C3f(radiance));
   return description;
 }

@@ -100,9 +100,9 @@ TEST(AnalyticShapes, AreTheSameInAllUnits) {
     for (std::uint32_t i = 0; i < 4000; ++i) {
       Sampler sampler(3, i, 0);
       const V3f from = (square_to_sphere(sampler.next_2d()) * 6.0f + V3f(2, 0, 1)) * scale;
-      const V3f to = ((i % 2 == 0 ? V3f(1, -2, 3) : V3f(3.7f, 0.7f, -0.3f)) +
-                      square_to_sphere(sampler.next_2d()) * 0.7f) *
-                     scale;
+      const V3f to =
+          ((i % 2 == 0 ? V3f(1, -2, 3) : V3f(3.7f, 0.7f, -0.3f)) + square_to_sphere(sampler.next_2d()) * 0.7f) *
+          scale;
       const Ray ray{from, unit(to - from)};
       const Hit hit = scene.caster().intersect(ray);
       if (hit.escaped()) continue;
@@ -151,7 +151,8 @@ TEST(AnalyticShapes, TextureCoordinatesAndTheirDerivatives) {
     EXPECT_LE((p.dp_dv - (on_wall(turns, 0.3f + step) - on_wall(turns, 0.3f - step)) / (2 * step)).length(),
               2e-3f * p.dp_dv.length());
     const auto on_disk = [&](float radius, float t) {
-      return disk.center + disk.x * (radius * std::cos(2 * pi_f * t)) + disk.y * (radius * std::sin(2 * pi_f * t));
+      return disk.center + disk.x * (radius * std::cos(2 * pi_f * t)) +
+             disk.y * (radius * std::sin(2 * pi_f * t));
     };
     const Parametrization d = parametrization(disk, on_disk(0.6f, turns));
     EXPECT_LE((d.dp_du - (on_disk(0.6f + step, turns) - on_disk(0.6f - step, turns)) / (2 * step)).length(),
@@ -195,10 +196,11 @@ TEST(AnalyticShapes, CylinderLampGivesItsExactIrradiance) {
   EXPECT_NEAR(within.mean(), 3.0 * pi * (1.0 - 1.0 / (1.0 + 0.75 * 0.75)), 5 * within.standard_error());
 }
 
-// The density that sample() reports is that of pdf_w() for what the ray meets; the mean of its inverse is the solid
-// angle of the lamp.
+// The density that sample() reports is that of pdf_w() for what the ray meets; the mean of its inverse is the
+// solid angle of the lamp.
 TEST(AnalyticShapes, DensitiesOfLampsAreExact) {
-  for (const Geometry& geometry : {Geometry(skew_disk()), Geometry(skew_cylinder()), Geometry(skew_cylinder(true))}) {
+  for (const Geometry& geometry :
+       {Geometry(skew_disk()), Geometry(skew_cylinder()), Geometry(skew_cylinder(true))}) {
     const bool is_inward = std::holds_alternative<Cylinder>(geometry) && std::get<Cylinder>(geometry).inward;
     const Scene scene = scene_of(geometry, 1.0f);
     const V3f p = is_inward ? skew_cylinder().base + skew_cylinder().axes[2] : V3f(2.5f, 1.0f, 4.0f);
@@ -247,7 +249,8 @@ TEST(AnalyticShapes, PointsOfLampsAreUniformInArea) {
     constexpr int steps = 1000;
     for (int i = 0; i < steps; ++i)
       for (int j = 0; j < steps; ++j) {
-        const float a = 2.0f * pi_f * (static_cast<float>(i) + 0.5f) / steps, b = (static_cast<float>(j) + 0.5f) / steps;
+        const float a = 2.0f * pi_f * (static_cast<float>(i) + 0.5f) / steps,
+                    b = (static_cast<float>(j) + 0.5f) / steps;
         V3f at;
         if (const auto* disk = std::get_if<Disk>(&geometry)) {
           at = disk->center + (disk->x * std::cos(a) + disk->y * std::sin(a)) * std::sqrt(b);
@@ -263,7 +266,9 @@ TEST(AnalyticShapes, PointsOfLampsAreUniformInArea) {
     constexpr std::uint32_t drawn = 40000;
     for (std::uint32_t i = 0; i < drawn; ++i) {
       // Independent numbers: stratified ones fit better than chance.
-      const auto number = [&](std::uint64_t k) { return static_cast<float>(hash_words(i, static_cast<std::uint32_t>(k)) >> 40) * 0x1p-24f; };
+      const auto number = [&](std::uint64_t k) {
+        return static_cast<float>(hash_words(i, static_cast<std::uint32_t>(k)) >> 40) * 0x1p-24f;
+      };
       const LightSample s = scene.lights().sample(receiver, {number(1), number(2)});
       if (s.pdf_w > 0.0f) ++observed[cell_of(s.direction)];
     }

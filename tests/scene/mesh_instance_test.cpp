@@ -53,7 +53,8 @@ Material textured() {
 
 TEST(MeshInstance, IsSeenAsTheMeshInTheWorldWouldBe) {
   const auto mesh = std::make_shared<const Mesh>(ball(12));
-  const std::vector<Placement> places{stretched(V3f(3, 1, 2)), stretched(V3f(-3, 0, 1)),
+  const std::vector<Placement> places{stretched(V3f(3, 1, 2)),
+                                      stretched(V3f(-3, 0, 1)),
                                       {V3f(1, 0, 0), V3f(0, 1, 0), V3f(0, 0, 1), V3f(0, 5, 0)}};
   SceneDescription shared, copied;
   shared.materials = copied.materials = {textured()};
@@ -84,8 +85,8 @@ TEST(MeshInstance, IsSeenAsTheMeshInTheWorldWouldBe) {
     EXPECT_GT(pa.geometric_normal.dot(pb.geometric_normal), 1.0f - 1e-5f);
     // Normals are interpolated in the mesh's coordinates, as in Mitsuba, and then carried into the world.
     const V3u& t = mesh->triangles[ha.primitive];
-    const V3f n = unit(places[ha.shape].normal(mesh->normals[t.x] * (1 - ha.u - ha.v) + mesh->normals[t.y] * ha.u +
-                                               mesh->normals[t.z] * ha.v));
+    const V3f n = unit(places[ha.shape].normal(mesh->normals[t.x] * (1 - ha.u - ha.v) +
+                                               mesh->normals[t.y] * ha.u + mesh->normals[t.z] * ha.v));
     if (n.dot(ray.direction) < -1e-3f) {
       EXPECT_GT(pa.shading.n.dot(n), 1.0f - 1e-5f);
       EXPECT_GT(pa.shading.n.dot(pb.shading.n), 0.9f);
@@ -104,7 +105,8 @@ TEST(MeshInstance, PacketsFindTheSame) {
   SceneDescription scene;
   test::add_diffuse(scene, "floor", test::quad(V3f(-9, -9, -3), V3f(18, 0, 0), V3f(0, 18, 0)), C3f(0.5f));
   for (int k = 0; k < 5; ++k)
-    test::add_diffuse(scene, "copy", MeshInstance{mesh, stretched(V3f(static_cast<float>(3 * k) - 6, 0, 0))}, C3f(0.5f));
+    test::add_diffuse(scene, "copy", MeshInstance{mesh, stretched(V3f(static_cast<float>(3 * k) - 6, 0, 0))},
+                      C3f(0.5f));
   const RayCaster caster(scene.shapes);
   std::vector<Ray> rays;
   for (std::uint32_t i = 0; i < 256; ++i)
@@ -179,8 +181,10 @@ TEST(MeshInstance, ShinesFromWhereItStands) {
   SceneDescription description;
   description.materials = {one_sided("black", Diffuse{C3f(0.0f)})};
   const auto mesh = std::make_shared<const Mesh>(test::quad(V3f(-0.5f, 0.5f, 0), V3f(1, 0, 0), V3f(0, -1, 0)));
-  description.shapes.push_back(
-      {"lamp", MeshInstance{mesh, {V3f(2, 0, 0), V3f(0, 2, 0), V3f(0, 0, 1), V3f(0, 0, 2)}}, 0, {C3f(3.0f), C3f(0.0f)}});
+  description.shapes.push_back({"lamp",
+                                MeshInstance{mesh, {V3f(2, 0, 0), V3f(0, 2, 0), V3f(0, 0, 1), V3f(0, 0, 2)}},
+                                0,
+                                {C3f(3.0f), C3f(0.0f)}});
   const Scene scene(description);
   double sum = 0.0;
   constexpr int samples = 20000;
