@@ -14,7 +14,7 @@ template <class Setting>
 void assign(Setting&, const Texture&, const TexturePoint&) {}  // settings do not vary: loaders bind no texture to them
 
 template <class Model>
-void bind(Model& model, const std::vector<TextureBinding>& textures, const TexturePoint& where) {
+void bind_textures(Model& model, const std::vector<TextureBinding>& textures, const TexturePoint& where) {
   std::size_t number = 0;
   Model::visit_parameters(model, [&](std::string_view, auto& parameter) {
     for (const TextureBinding& binding : textures)
@@ -26,7 +26,7 @@ void bind(Model& model, const std::vector<TextureBinding>& textures, const Textu
 
 Bsdf bound(const TexturedModel& node, const TexturePoint& where) {
   Bsdf bsdf = node.bsdf;
-  std::visit([&](auto& model) { bind(model, node.textures, where); }, bsdf);
+  std::visit([&](auto& model) { bind_textures(model, node.textures, where); }, bsdf);
   return bsdf;
 }
 
@@ -129,7 +129,7 @@ SideTraits traits_of(const TexturedModel& node) {
       [&](auto& model) {
         std::vector<TextureBinding> means = node.textures;
         for (TextureBinding& binding : means) binding.texture = mean_color(binding.texture);
-        bind(model, means, V2f(0.0f, 0.0f));
+        bind_textures(model, means, V2f(0.0f, 0.0f));
       },
       mean);
   SideTraits traits = traits_of(mean);

@@ -108,8 +108,8 @@ C3f color_of(const Bitmap& bitmap, const TexturePoint& at) {
 // The tile at a point; an edge between two belongs to the first. Null: there is none.
 const Bitmap* tile_at(const Udim& udim, const V2f& uv) {
   const V2f at = udim.to_uv(uv);
-  const float column = std::max(std::ceil(at.x) - 1.0f, 0.0f),
-              row = std::max(std::ceil(1.0f - at.y) - 1.0f, 0.0f);
+  const float column = std::max(0.0f, std::ceil(at.x) - 1.0f),
+              row = std::max(0.0f, std::ceil(1.0f - at.y) - 1.0f);  // 0 also for what is no number
   if (!(column < 10.0f && row < 1e6f)) return nullptr;
   const std::size_t number = static_cast<std::size_t>(row) * 10 + static_cast<std::size_t>(column);
   return number < udim.tiles.size() && udim.tiles[number].image ? &udim.tiles[number] : nullptr;

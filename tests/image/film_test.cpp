@@ -230,9 +230,11 @@ TEST(Film, SignedWeightsConvergeToTheFilteredValue) {
   const double count = pixels * pixels, mean = sum / count, variance = squares / count - mean * mean;
   // The bias that film.h states, within 4 standard errors.
   EXPECT_NEAR(mean, expected + (plain - expected) / n, 4.0 * std::sqrt(variance / count));
-  // Estimated from batches against seen between pixels: 4096 pixels give the variance to 2.2 % (1 sigma).
+  // Estimated from batches against seen between pixels: 4096 pixels give the variance to 2.2 % (1 sigma). (S9) divides
+  // by means that are certain, which are smaller.
   const double estimated = film.relative_error() * film.relative_error() * (expected * expected + 0.01);
-  EXPECT_NEAR(estimated / variance, 1.0, 0.12);
+  EXPECT_GT(estimated / variance, 0.9);
+  EXPECT_LT(estimated / variance, 1.25);
 }
 
 TEST(Film, ImpossibleSizesAreErrors) {

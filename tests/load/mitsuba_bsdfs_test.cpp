@@ -42,7 +42,7 @@ TEST_F(MitsubaBsdfs, TwoSidedTakesOneOrTwo) {
   expect_error([&] { read("<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>"); },
                {"bsdf 'dielectric' has two sides already"});
   expect_error([&] { read("<bsdf type='twosided' id='a'><ref id='a'/></bsdf>"); },
-               {"bsdf 'twosided' has two sides"});
+               {"scene.xml:2: this <bsdf> refers to itself"});
 }
 
 TEST_F(MitsubaBsdfs, ConductorDefaultsToAMirror) {

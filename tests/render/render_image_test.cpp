@@ -74,8 +74,8 @@ TEST(RenderImage, APartIsTheSameAsInTheWhole) {
     const Camera camera(lens, 50, 40);
     Film whole(50, 40), part(20, 10);
     const SamplingGoal goal{4, 0, 0};
-    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}}, whole);
-    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}, V2i(17, 25)}, part);
+    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}, {}}, whole);
+    render_image({path, camera, lanczos_filter(), goal, 1, SamplerKind::sobol, {}, {}, V2i(17, 25)}, part);
     for (int y = 0; y < 10; ++y)
       for (int x = 0; x < 20; ++x) ASSERT_EQ(part.pixel(x, y).mean(), whole.pixel(x + 17, y + 25).mean());
   }

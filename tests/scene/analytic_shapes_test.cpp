@@ -227,7 +227,7 @@ TEST(AnalyticShapes, DensitiesOfLampsAreExact) {
       drawn.add(s.pdf_w > 0.0f && !is_black(s.radiance) ? 1.0 / s.pdf_w : 0.0);
     }
     EXPECT_NEAR(seen.mean(), drawn.mean(), 5 * std::hypot(seen.standard_error(), drawn.standard_error()));
-    EXPECT_GT(drawn.mean(), 0.1);
+    EXPECT_GT(drawn.mean(), 0.05);
   }
 }
 
