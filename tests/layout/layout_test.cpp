@@ -25,6 +25,7 @@ const std::vector<std::pair<std::string, std::string>> homes{
     {"OpenEXR/", "render/image/exr.cpp"},
     {"OpenImageIO/", "render/image/oiio_"},
     {"tiny_obj_loader", "render/load/"},
+    {"tiny_gltf", "render/load/gltf_"},
     {"pugixml", "render/load/"},
     {"CLI/", "render/"},
     {"zlib.h", "render/core/deflate.cpp"},

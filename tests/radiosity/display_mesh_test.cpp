@@ -83,15 +83,16 @@ TEST(DisplayMesh, SpheresAreClosedToo) {
 TEST(DisplayMesh, AnalyticSurfacesAreWholeAndRightSideOut) {
   const std::array<V3f, 3> axes{V3f(0, 0, 1), V3f(1, 0, 0), V3f(0, 1, 0)};
   const std::array<V3f, 3> mirrored{axes[1], axes[0], axes[2]};
+  const std::array<C3f, 2> dark{C3f(0.0f), C3f(0.0f)};
   SceneDescription description;
   description.materials = {one_sided("grey", Diffuse{C3f(0.5f)}), one_sided("mirror", Conductor{})};
   const V3f middle(1, 2, 3);
   for (const std::uint32_t material : {0u, 1u})
     for (const bool inward : {false, true}) {
-      description.shapes.push_back({"sphere", Sphere{middle, 2.0f, inward}, material, {}});
-      description.shapes.push_back({"disk", Disk{middle, V3f(2, 0, 0), V3f(0, 1, 0), inward}, material, {}});
-      description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, axes}, material, {}});
-      description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, mirrored}, material, {}});
+      description.shapes.push_back({"sphere", Sphere{middle, 2.0f, inward}, material, dark});
+      description.shapes.push_back({"disk", Disk{middle, V3f(2, 0, 0), V3f(0, 1, 0), inward}, material, dark});
+      description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, axes}, material, dark});
+      description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, mirrored}, material, dark});
     }
   for (const Shape& shape : description.shapes) {
     SceneDescription one;

@@ -138,7 +138,8 @@ TEST(Pieces, SamplesAreUniformInArea) {
 TEST(Pieces, ElementsAreFoundFromWhatRaysMeet) {
   SceneDescription description;
   description.materials = {two_sided("both", Diffuse{C3f(0.8f)}, Diffuse{C3f(0.2f)})};
-  for (const Geometry& geometry : surfaces()) description.shapes.push_back({"it", geometry, 0, {}});
+  for (const Geometry& geometry : surfaces())
+    description.shapes.push_back({"it", geometry, 0, {C3f(0.0f), C3f(0.0f)}});
   for (const Shape& shape : description.shapes) {
     SceneDescription one;
     one.materials = description.materials;

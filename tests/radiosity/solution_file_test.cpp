@@ -271,11 +271,13 @@ TEST(SceneFingerprint, ChangesWithWhatMattersOnly) {
   EXPECT_TRUE(changed([](SceneDescription& s) { std::get<Sphere>(s.shapes[6].geometry).inward = true; }));
 
   // Everything about the other shapes, and what is stored with meshes.
-  original.shapes.push_back({"disk", Disk{}, 0, {}});
-  original.shapes.push_back({"cylinder", Cylinder{}, 0, {}});
+  const std::array<C3f, 2> dark{C3f(0.0f), C3f(0.0f)};
+  const std::array<C3f, 3> black{C3f(0.0f), C3f(0.0f), C3f(0.0f)};
+  original.shapes.push_back({"disk", Disk{}, 0, dark});
+  original.shapes.push_back({"cylinder", Cylinder{}, 0, dark});
   original.shapes.push_back(
-      {"copy", MeshInstance{std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 0))), {}}, 0, {}});
-  MeshColors colors{"vertex_color", std::make_shared<const MeshColors::Values>(MeshColors::Values{{{}, {}}, {}}), {}};
+      {"copy", MeshInstance{std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 0))), {}}, 0, dark});
+  MeshColors colors{"vertex_color", std::make_shared<const MeshColors::Values>(MeshColors::Values{{black, black}, C3f(0.0f)}), {}};
   original.materials.push_back(one_sided(
       "coloured", MaterialSide(std::make_shared<const MaterialNode>(
                       MaterialNode{TexturedModel{Diffuse{}, {{0, Texture(colors)}}}}))));
@@ -303,7 +305,7 @@ TEST(SceneFingerprint, ChangesWithWhatMattersOnly) {
     std::get<MeshInstance>(i).mesh =
         std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 1e-3f)));
   }));
-  colors.values = std::make_shared<const MeshColors::Values>(MeshColors::Values{{{}, {C3f(0, 1, 0), {}, {}}}, {}});
+  colors.values = std::make_shared<const MeshColors::Values>(MeshColors::Values{{black, {C3f(0, 1, 0), C3f(0.0f), C3f(0.0f)}}, C3f(0.0f)});
   original.materials[8] = with_textures(original.materials[8], [&](const Texture&) { return Texture(colors); });
   EXPECT_NE(print(original), with_more);
 }

@@ -59,8 +59,8 @@ TEST(MeshInstance, IsSeenAsTheMeshInTheWorldWouldBe) {
   SceneDescription shared, copied;
   shared.materials = copied.materials = {textured()};
   for (const Placement& place : places) {
-    shared.shapes.push_back({"copy", MeshInstance{mesh, place}, 0, {}});
-    copied.shapes.push_back({"copy", in_world(*mesh, place), 0, {}});
+    shared.shapes.push_back({"copy", MeshInstance{mesh, place}, 0, {C3f(0.0f), C3f(0.0f)}});
+    copied.shapes.push_back({"copy", in_world(*mesh, place), 0, {C3f(0.0f), C3f(0.0f)}});
   }
   EXPECT_LE((bounds_of(shared.shapes).max - bounds_of(copied.shapes).max).length(), 2.0f);
   const Scene a(std::move(shared)), b(std::move(copied));
@@ -134,7 +134,10 @@ TEST(MeshInstance, RaysStartClearOfTheSurface) {
     description.shapes.clear();
     for (const Shape& wall : room.shapes)
       description.shapes.push_back(
-          {wall.name, MeshInstance{std::make_shared<const Mesh>(std::get<Mesh>(wall.geometry)), place}, 0, {}});
+          {wall.name,
+           MeshInstance{std::make_shared<const Mesh>(std::get<Mesh>(wall.geometry)), place},
+           0,
+           {C3f(0.0f), C3f(0.0f)}});
     const Scene scene(description);
     int escaped = 0, behind = 0;
     for (std::uint32_t i = 0; i < 400; ++i) {
@@ -167,7 +170,7 @@ TEST(MeshInstance, CopiesShareMemory) {
       Placement place;
       place.origin = V3f(static_cast<float>(3 * (k % 10)), static_cast<float>(3 * (k / 10 % 10)),
                          static_cast<float>(3 * (k / 100)));
-      shapes.push_back({"copy", MeshInstance{mesh, place}, 0, {}});
+      shapes.push_back({"copy", MeshInstance{mesh, place}, 0, {C3f(0.0f), C3f(0.0f)}});
     }
     return RayCaster(shapes).memory_bytes();
   };
