@@ -74,7 +74,8 @@ struct RadiosityOptions {
   /// Most elements, as long as one a triangle and side is enough; 0: a number that suits the method.
   std::size_t max_elements = 0;
   /// Pixels of the picture that will be gathered from the solution: the eye will not see the elements, so small
-  /// pictures need fewer, and all need fewer rays for their form factors. 0: the solution itself will be seen.
+  /// pictures need fewer, and all need fewer rays for their form factors, where everything else is left to the
+  /// program. 0: the solution itself will be seen.
   std::size_t gathered_pixels = 0;
   Subdivision subdivision = Subdivision::automatic;
   /// Rays an element, for the method `rays`, for what is seen through specular surfaces and for the solver

@@ -36,6 +36,7 @@ struct Choice {
   Solver solver;
   std::size_t max_elements;
   bool is_adaptive;
+  bool is_for_gathering;  // chosen so that a picture may be gathered from it
 };
 
 std::size_t triangle_sides(const Scene& scene) {
@@ -70,19 +71,20 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
     throw Error("--overshoot", "only the solver progressive shoots", "use --solver progressive with it");
   choice.max_elements = default_elements_analytic;
   const std::size_t sides = triangle_sides(scene);
+  // Who chooses a method or a number of elements compares, and wants the same elements for all of them.
+  const bool all_automatic = options.subdivision == Subdivision::automatic &&
+                             options.form_factors == FormFactorMethod::automatic &&
+                             options.solver == Solver::automatic && options.max_elements == 0;
+  choice.is_for_gathering = all_automatic && options.gathered_pixels > 0;
   if (by_rays) {
     std::size_t least = least_elements_rays;
-    if (options.gathered_pixels > 0)
+    if (choice.is_for_gathering)
       least = std::clamp(options.gathered_pixels / pixels_of_an_element, least_elements_gathered, least);
     choice.max_elements = std::clamp(sides / 8, least, most_elements_rays);
   }
   if (choice.solver == Solver::lu)
     choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
   if (options.max_elements) choice.max_elements = options.max_elements;
-  // Who chooses a method or a number of elements compares, and wants the same elements for all of them.
-  const bool all_automatic = options.subdivision == Subdivision::automatic &&
-                             options.form_factors == FormFactorMethod::automatic &&
-                             options.solver == Solver::automatic && options.max_elements == 0;
   choice.is_adaptive = options.subdivision == Subdivision::adaptive ||
                        (all_automatic && coarse_part * sides <= choice.max_elements);
   return choice;
@@ -197,7 +199,7 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
                               const Choice& choice, RadiosityStats& stats) {
   RadiosityOptions pilot = options;
   if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
-  const Choice pilot_choice{choice.method, Solver::automatic, choice.max_elements, true};
+  const Choice pilot_choice{choice.method, Solver::automatic, choice.max_elements, true, false};
   while (mesh.count() + 3 <= choice.max_elements) {
     RadiosityStats pilot_stats;
     const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, pilot_choice, pilot_stats);
@@ -218,8 +220,7 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested) {
   RadiosityOptions options = requested;
   const Choice choice = choose(scene, options);
-  if (options.gathered_pixels > 0 && options.rays_per_element == 0 && choice.method == FormFactorMethod::rays &&
-      choice.solver != Solver::stochastic)
+  if (choice.is_for_gathering && options.rays_per_element == 0)
     options.rays_per_element = rays_of_a_gathered_element;
   ElementMesh mesh =
       divide_surfaces(scene, choice.is_adaptive ? choice.max_elements / coarse_part : choice.max_elements);

@@ -217,7 +217,6 @@ std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* s
   const Elapsed elapsed = stopwatch.elapsed();
   statistics.radiosity_time.seconds += elapsed.seconds;
   statistics.radiosity_time.cpu_seconds += elapsed.cpu_seconds;
-  statistics.radiosity->rays += field.rays();
   char text[120];
   std::snprintf(text, sizeof text,
                 "indirect light: looked up on %.0f %% of the area, gathered elsewhere, %.2f s",

@@ -236,15 +236,28 @@ void write_exr(const fs::path& path, const Image& image, const ExrOptions& optio
   write_atomically(path, stream.bytes());
 }
 
-Image read_exr(const fs::path& path, ExrMetadata* metadata) {
+// Says what OpenEXR says of a file in our words.
+template <class Read>
+auto reading(const fs::path& path, const Read& read) {
   check_is_flat_exr(path);
   try {
-    return read_first_part(path, metadata);
+    return read();
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
     throw Error(path.string(), std::string("it cannot be read: ") + e.what(), "write the file again");
   }
+}
+
+V2i exr_size(const fs::path& path) {
+  return reading(path, [&] {
+    const Image image = empty_image(path, Imf::MultiPartInputFile(path.c_str()).header(0));
+    return V2i(image.width, image.height);
+  });
+}
+
+Image read_exr(const fs::path& path, ExrMetadata* metadata) {
+  return reading(path, [&] { return read_first_part(path, metadata); });
 }
 
 }  // namespace twopass

@@ -36,6 +36,9 @@ struct ExrOptions {
 /// on channel names that repeat or are empty.
 void write_exr(const std::filesystem::path& path, const Image& image, const ExrOptions& options = {});
 
+/// Width and height of the first part's data window, from the header alone. Throws Error as read_exr.
+V2i exr_size(const std::filesystem::path& path);
+
 /// Reads the first part's data window with all its channels: R, G, B, A first, the others by name. Values are
 /// as in the file, non-finite ones included. With `metadata`, also the attributes of text, float and int.
 /// Throws Error when the file is missing, no OpenEXR, incomplete, deep or has subsampled channels.

@@ -194,8 +194,12 @@ bool is_exr(const fs::path& path) {
 
 ReadTexture read_texture(const fs::path& path, const TexelOptions& options, std::size_t most_bytes) {
   check_regular_file(path);
-  // Compressed pictures hold up to some ten times their file's size.
-  if (is_exr(path) && fs::file_size(path) < most_bytes / 16) return read_exr_texture(path, options);
+  if (is_exr(path)) {
+    const V2i size = exr_size(path);
+    // As floats of three channels, all levels.
+    const std::uint64_t bytes = 16 * static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
+    if (bytes < most_bytes) return read_exr_texture(path, options);
+  }
   return read_source({path.c_str(), nullptr, 0}, options, path.string(), most_bytes);
 }
 

@@ -9,17 +9,21 @@ SignedKernel::SignedKernel(const std::function<double(double)>& value, double ra
   constexpr double steps_a_pixel = 512.0;
   const auto count = static_cast<std::size_t>(std::ceil(radius * steps_a_pixel));
   const double step = radius / static_cast<double>(count);
-  std::vector<double> sums;
+  std::vector<double> shares, sums;
   double magnitude = 0.0, integral = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const double x = static_cast<double>(i) * step;
     const double low = value(x), middle = value(x + 0.5 * step), high = value(x + step);
-    magnitude += (std::abs(low) + 4.0 * std::abs(middle) + std::abs(high)) / 6.0 * step;  // Simpson
+    const double share = (std::abs(low) + 4.0 * std::abs(middle) + std::abs(high)) / 6.0 * step;  // Simpson
+    magnitude += share;
     integral += (low + 4.0 * middle + high) / 6.0 * step;
+    shares.push_back(share);
     sums.push_back(magnitude);
   }
   for (const double sum : sums) cumulative_.push_back(static_cast<float>(sum / magnitude));
   cumulative_.back() = 1.0f;
+  // Not from differences of the sums, which round to zero at the kernel's end.
+  for (const double share : shares) density_.push_back(static_cast<float>(share / (2.0 * step * magnitude)));
   step_ = static_cast<float>(step);
   radius_ = static_cast<float>(radius);
   integral_ = static_cast<float>(2.0 * integral);
@@ -38,8 +42,8 @@ float SignedKernel::sample(float u) const {
 float SignedKernel::pdf(float x) const {
   const float r = std::abs(x);
   if (!(r <= radius_)) return 0.0f;
-  const auto i = std::min(static_cast<std::size_t>(r / step_), cumulative_.size() - 1);
-  return (cumulative_[i] - (i > 0 ? cumulative_[i - 1] : 0.0f)) / (2.0f * step_);
+  const auto i = std::min(static_cast<std::size_t>(r / step_), density_.size() - 1);
+  return density_[i];
 }
 
 }  // namespace twopass

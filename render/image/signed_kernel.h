@@ -23,6 +23,7 @@ class SignedKernel {
 
  private:
   std::vector<float> cumulative_;  // share of |k| from the centre to the end of each step
+  std::vector<float> density_;     // in each step
   float step_, radius_, integral_;
 };
 

@@ -81,7 +81,7 @@ TEST_F(Program, ErrorsAreOneLineOfWhereWhatAndWhatToDoWithExitCodeOne) {
       {"render broken.xml -o a.exr", "broken.xml:"},
       {"render " + box_ + "-o a.gif", ".exr"},
       {"render " + box_ + "-o nowhere/a.exr", "nowhere"},
-      {"render " + box_ + "-o a.exr --integrator magic", "twopass, path, radiosity, direct"},
+      {"render " + box_ + "-o a.exr --integrator magic", "twopass, unbiased, path, radiosity, direct"},
       {"render " + box_ + "-o a.exr --sampler magic", "sobol, independent, stratified"},
       {"render " + box_ + "-o a.exr --solver magic", "gauss-seidel"},
       {"render '" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' -o a.exr --size 0x4", "WIDTHxHEIGHT"},
@@ -331,7 +331,7 @@ TEST_F(Program, WhatIsNotSupportedCanBeLeftOut) {
         "<shape type='sdfgrid'/>\n<emitter type='constant'/></scene>");
   const Outcome refused = run("render some.xml -o a.exr --spp 1 --size 8x8");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.err.find("some.xml:3: bsdf 'hair' is not supported; supported bsdfs: "), std::string::npos)
+  EXPECT_NE(refused.err.find("some.xml:2: shape 'sdfgrid' is not supported; supported shapes: "), std::string::npos)
       << refused.err;
   for (const char* command : {"render some.xml -o a.exr --spp 1 --size 8x8 --stats s.json",
                               "solve some.xml -o a.ply", "info some.xml"}) {
