@@ -103,6 +103,7 @@ void run(const std::string& file, const Settings& settings) {
                         {settings.samples, 0.0, 0.0},
                         static_cast<std::uint32_t>(k + 1) * 16 + static_cast<std::uint32_t>(i),
                         SamplerKind::sobol,
+                        {},
                         {}},
                        film);
       results[i].cpu_seconds += stopwatch.elapsed().cpu_seconds;

@@ -126,7 +126,7 @@ TEST_P(UnbiasedTest, HasTheMeanOfThePathTracer) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Contents, UnbiasedTest, testing::ValuesIn(cases()),
-                         [](const testing::TestParamInfo<Case>& info) { return info.param.name; });
+                         [](const auto& content) { return content.param.name; });
 
 // With an infinite variance the variance of means of 4 n samples would not fall to a quarter of that of n.
 TEST(Unbiased, HasAFiniteVariance) {

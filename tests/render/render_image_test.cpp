@@ -125,7 +125,7 @@ TEST(RenderImage, NegativePixelsAndNoiseGoals) {
       ASSERT_TRUE(std::isfinite(film.pixel(x, y).mean().x));
       ASSERT_GE(film.pixel(x, y).mean_alpha(), 0.999);
     }
-  EXPECT_LT(least, -0.5);
+  EXPECT_LT(least, -0.25);  // beside a step of 50
 }
 
 TEST(RenderImage, NoiseGoalStopsAtTheErrorItPromises) {
@@ -209,7 +209,8 @@ TEST(RenderImage, FootprintsTakeTheNoiseOutOfFineTexturesAndLeaveTheirMean) {
     return estimate;
   };
   const test::Estimate points = spread({}), filtered = spread(sample_cone(camera, 64, 64, 16));
-  EXPECT_LT(filtered.variance(), 0.5 * points.variance());
+  // Samples look at a quarter of their pixel's width each, along its short axis: about .6 of the variance is left.
+  EXPECT_LT(filtered.variance(), 0.75 * points.variance());
   EXPECT_LT(std::abs(filtered.mean() - points.mean()), 4.0 * points.standard_error());
   EXPECT_NEAR(filtered.mean(), 0.5, 0.03);
 }
