@@ -18,7 +18,7 @@ struct RenderJob {
   std::uint32_t seed = 0;
   SamplerKind sampler = SamplerKind::sobol;
   RayCone cone{};  ///< of each sample's ray: how textures are filtered
-  std::function<void(double)> report_progress;  ///< called by any thread with the fraction that is done
+  std::function<void(double)> report_progress{};  ///< called by any thread with the fraction that is done
   V2i corner{0, 0};  ///< the film's upper left pixel in the camera's picture, of which it may be a part
 };
 
