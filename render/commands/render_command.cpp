@@ -261,8 +261,10 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
   if (s.bias)
     std::printf("bias of the picture's mean: %+.2f %% +- %.2f %% (95 %% confidence, %.2g samples)\n",
                 100.0 * s.bias->mean, 100.0 * s.bias->ci95, static_cast<double>(s.bias->samples));
-  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16).
-  if (std::isfinite(s.relative_error) && s.relative_error_bound > 1.22 * s.relative_error) {
+  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16). Nobody sees noise
+  // below a thousandth.
+  if (std::isfinite(s.relative_error) &&
+      s.relative_error_bound > std::max(1e-3, 1.22 * s.relative_error)) {
     char text[200];
     std::snprintf(
         text, sizeof text,

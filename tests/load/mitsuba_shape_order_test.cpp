@@ -15,7 +15,7 @@ class MitsubaShapeOrder : public LoadTest {
     return load_xml("<scene version='3.0.0'>\n" + body + "</scene>");
   }
   static std::string translate(int x) {
-    return "<transform name='to_world'><translate x='" + std::to_string(x) + "'/></transform>";
+    return std::string("<transform name='to_world'><translate x='") + std::to_string(x) + "'/></transform>";
   }
 };
 
@@ -26,8 +26,8 @@ TEST_F(MitsubaShapeOrder, TheFirstErrorIsTheFirstInTheFile) {
   std::string body;
   for (int i = 0; i < 40; ++i) body += obj("a.obj", translate(i));
   for (int i = 0; i < 3; ++i) {
-    const std::string name = "bad" + std::to_string(i) + ".obj";
-    write(name, "v 0 0 0\nf 1 2 " + std::to_string(7 + i) + "\n");
+    const std::string name = std::string("bad") + std::to_string(i) + ".obj";
+    write(name, std::string("v 0 0 0\nf 1 2 ") + std::to_string(7 + i) + "\n");
     body += obj(name) + obj("a.obj");
   }
   for (const int threads : {1, 2, 4}) {
@@ -39,7 +39,7 @@ TEST_F(MitsubaShapeOrder, TheFirstErrorIsTheFirstInTheFile) {
 TEST_F(MitsubaShapeOrder, ShapesAndNotesComeInTheOrderOfTheFile) {
   std::string body;
   for (int i = 0; i < 30; ++i) {
-    const std::string name = "m" + std::to_string(i) + ".obj";
+    const std::string name = std::string("m") + std::to_string(i) + ".obj";
     write(name, std::string(triangle) + "f 1 1 2\n");
     body += obj(name, translate(i));
   }

@@ -27,13 +27,13 @@ std::string random_obj(std::mt19937& random) {
   for (int i = 0; i < 200; ++i) {
     const int kind = positions < 4 ? 0 : below(6);
     if (kind == 0) {
-      text += "v" + blanks() + number() + blanks() + number() + blanks() + number();
+      text += std::string("v") + blanks() + number() + blanks() + number() + blanks() + number();
       ++positions;
     } else if (kind == 1) {
-      text += "vt" + blanks() + number() + blanks() + number();
+      text += std::string("vt") + blanks() + number() + blanks() + number();
       ++uvs;
     } else if (kind == 2) {
-      text += "vn" + blanks() + number() + blanks() + number() + blanks() + number();
+      text += std::string("vn") + blanks() + number() + blanks() + number() + blanks() + number();
       ++normals;
     } else {
       const bool with_uv = uvs > 0 && below(2) == 0, with_normal = normals > 0 && below(2) == 0;
@@ -46,7 +46,7 @@ std::string random_obj(std::mt19937& random) {
         text += blanks() + index(positions);
         if (with_uv || with_normal) text += "/";
         if (with_uv) text += index(uvs);
-        if (with_normal) text += "/" + index(normals);
+        if (with_normal) text += std::string("/") + index(normals);
       }
     }
     text += line_end;
