@@ -37,7 +37,7 @@ const std::set<std::string> wrong_references = {"bsdf_blend"};
 // How far the mean of a picture may lie off for a reason that is known.
 const std::map<std::string, double> systematic_differences = {
     {"shape_obj", 0.003},     // smooth normals on a tetrahedron: we let no light through from below its faces
-    {"shape_instance", 0.003},  // three of the same
+    {"shape_instance", 0.003},  // three of that tetrahedron; likely the same cause, not shown
     {"light_sunsky", 0.004},  // the sun's radiance comes from another reduction of the same spectra
 };
 
