@@ -15,7 +15,7 @@ double scaled_row_sum(const ExchangeTable& exchange, std::size_t i, std::span<co
   return d[i] * sum;
 }
 
-void apply(ExchangeTable& exchange, std::span<const double> d) {
+void scale(ExchangeTable& exchange, std::span<const double> d) {
   for (std::size_t i = 0; i < d.size(); ++i)
     for (std::size_t j = 0; j < d.size(); ++j)
       exchange[i][j] *= d[i] * d[j];  // this product commutes, so that the table stays symmetric
@@ -41,7 +41,7 @@ void scale_rows_to_areas(ExchangeTable& exchange, std::span<const double> area) 
     for (std::size_t i = 0; i < n; ++i)
       if (sum[i] > 0.0) d[i] *= std::sqrt(area[i] / sum[i]);
   }
-  apply(exchange, d);
+  scale(exchange, d);
 }
 
 void cap_rows_at_areas(ExchangeTable& exchange, std::span<const double> area) {
@@ -51,7 +51,7 @@ void cap_rows_at_areas(ExchangeTable& exchange, std::span<const double> area) {
     const double sum = scaled_row_sum(exchange, i, d);
     if (sum > area[i]) d[i] *= area[i] / sum;
   }
-  apply(exchange, d);
+  scale(exchange, d);
 }
 
 }  // namespace twopass
