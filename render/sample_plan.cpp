@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "render/core/parallel.h"
+
 namespace twopass {
 
 namespace {
@@ -13,10 +15,7 @@ constexpr double most_variance = 1e30;  // infinities would leave nothing for th
 // A pilot's pixels and their surroundings, row by row.
 class Surroundings {
  public:
-  explicit Surroundings(const Film& pilot) : pilot_(pilot) {
-    for (int y = 0; y < pilot.height(); ++y)
-      for (int x = 0; x < pilot.width(); ++x) around_.push_back(pilot.around(x, y));
-  }
+  explicit Surroundings(const Film& pilot) : pilot_(pilot), around_(pilot.surroundings()) {}
   [[nodiscard]] double variance(int x, int y) const {
     return std::min(pilot_.pixel(x, y).relative_variance(around(x, y)), most_variance);
   }
@@ -53,12 +52,16 @@ class Surroundings {
 SampleShares::SampleShares(const Film& pilot)
     : pilot_samples_(static_cast<std::uint32_t>(pilot.pixel(0, 0).samples)) {
   const Surroundings surroundings(pilot);
-  std::vector<double> variances, shares;
-  for (int y = 0; y < pilot.height(); ++y)
-    for (int x = 0; x < pilot.width(); ++x) {
-      variances.push_back(surroundings.variance(x, y));
-      shares.push_back(surroundings.share(x, y));
+  const auto width = static_cast<std::size_t>(pilot.width()),
+             pixels = width * static_cast<std::size_t>(pilot.height());
+  std::vector<double> variances(pixels), shares(pixels);
+  parallel_for(pixels, width, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+      variances[i] = surroundings.variance(x, y);
+      shares[i] = surroundings.share(x, y);
     }
+  });
   const double mean_share =
       std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
   // Between a sixteenth and sixteen times the mean: where the pilot saw no scatter there may be some, and

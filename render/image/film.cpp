@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 #include "render/image/compare.h"
 
 namespace twopass {
@@ -15,6 +16,14 @@ namespace {
 constexpr std::int64_t most_pixels = std::int64_t{1} << 28;
 
 C3d per_channel_square(const C3d& c) { return {c.x * c.x, c.y * c.y, c.z * c.z}; }
+
+template <class Body>
+void for_each_row(std::size_t rows, const Body& body) {
+  constexpr std::size_t grain = 8;
+  parallel_for(rows, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
+  });
+}
 
 }  // namespace
 
@@ -129,33 +138,60 @@ Image Film::resolve() const {
   return image;
 }
 
-Around Film::around(int x, int y) const {
-  Around around;
-  for (int j = std::max(y - around_radius, 0); j <= std::min(y + around_radius, height_ - 1); ++j)
-    for (int i = std::max(x - around_radius, 0); i <= std::min(x + around_radius, width_ - 1); ++i) {
-      if ((i == x && j == y) || pixel(i, j).samples == 0) continue;
-      around.sum += pixel(i, j).mean();
-      ++around.count;
+std::vector<Around> Film::surroundings() const {
+  const auto rows = static_cast<std::size_t>(height_);
+  std::vector<C3d> means(pixels_.size());
+  for_each_row(rows, [&](int y) {
+    for (int x = 0; x < width_; ++x) means[index(x, y)] = pixel(x, y).mean();
+  });
+  std::vector<Around> surroundings(pixels_.size());
+  for_each_row(rows, [&](int y) {
+    for (int x = 0; x < width_; ++x) {
+      Around& around = surroundings[index(x, y)];
+      for (int j = std::max(y - around_radius, 0); j <= std::min(y + around_radius, height_ - 1); ++j)
+        for (int i = std::max(x - around_radius, 0); i <= std::min(x + around_radius, width_ - 1); ++i) {
+          if ((i == x && j == y) || pixel(i, j).samples == 0) continue;
+          around.sum += means[index(i, j)];
+          ++around.count;
+        }
     }
-  return around;
+  });
+  return surroundings;
 }
 
 NoiseEstimate Film::noise() const {
   constexpr double unknown = std::numeric_limits<double>::infinity();
-  double sum = 0.0, squares = 0.0, sampled = 0.0;
-  for (int y = 0; y < height_; ++y)
+  const std::vector<Around> around = surroundings();
+  struct Row {
+    double sum = 0.0, squares = 0.0, sampled = 0.0;
+    bool is_known = true;
+  };
+  std::vector<Row> rows(static_cast<std::size_t>(height_));
+  for_each_row(rows.size(), [&](int y) {
+    Row& row = rows[static_cast<std::size_t>(y)];
     for (int x = 0; x < width_; ++x) {
       const FilmPixel& at = pixel(x, y);
       if (at.samples == 0) continue;
-      if (at.batches < 2) return {unknown, 0.0};
-      const double relmse = at.relative_variance(around(x, y)) / static_cast<double>(at.samples);
-      sum += relmse;
-      squares += relmse * relmse;
-      sampled += 1.0;
+      if (at.batches < 2) {
+        row.is_known = false;
+        return;
+      }
+      const double relmse = at.relative_variance(around[index(x, y)]) / static_cast<double>(at.samples);
+      row.sum += relmse;
+      row.squares += relmse * relmse;
+      row.sampled += 1.0;
     }
-  if (sampled == 0.0 || !std::isfinite(squares)) return {unknown, 0.0};
-  const double mean = sum / sampled;
-  return {mean, std::sqrt(std::max(0.0, squares / sampled - mean * mean) / sampled)};
+  });
+  Row all;
+  for (const Row& row : rows) {
+    all.sum += row.sum;
+    all.squares += row.squares;
+    all.sampled += row.sampled;
+    all.is_known = all.is_known && row.is_known;
+  }
+  if (!all.is_known || all.sampled == 0.0 || !std::isfinite(all.squares)) return {unknown, 0.0};
+  const double mean = all.sum / all.sampled;
+  return {mean, std::sqrt(std::max(0.0, all.squares / all.sampled - mean * mean) / all.sampled)};
 }
 
 }  // namespace twopass

@@ -103,8 +103,8 @@ class Film {
   [[nodiscard]] NoiseEstimate noise() const;
   /// The root of the same relMSE.
   [[nodiscard]] double relative_error() const { return std::sqrt(noise().relmse); }
-  /// The sampled pixels of the 5x5 around one, without itself.
-  [[nodiscard]] Around around(int x, int y) const;
+  /// The sampled pixels of the 5x5 around each pixel, without itself; row by row.
+  [[nodiscard]] std::vector<Around> surroundings() const;
   static constexpr int around_radius = 2;
 
  private:

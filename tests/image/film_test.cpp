@@ -126,15 +126,15 @@ TEST(Film, ErrorEstimateBelievesWhatIsCertain) {
         film.add_pixel(x, y, batch);
       }
   // Variance of a sample .02, of the mean .01.
-  const auto relative_variance = [&](int x, int y) {
-    return film.pixel(x, y).relative_variance(film.around(x, y));
-  };
+  const std::vector<Around> surroundings = film.surroundings();
+  const auto around = [&](int x, int y) { return surroundings[static_cast<std::size_t>(9 * y + x)]; };
+  const auto relative_variance = [&](int x, int y) { return film.pixel(x, y).relative_variance(around(x, y)); };
   EXPECT_NEAR(relative_variance(4, 4), 0.02 / (0.8 * 0.8 + 0.01), 1e-6);
   EXPECT_EQ(relative_variance(3, 4), 0.0);
   EXPECT_NEAR(relative_variance(8, 8), 2.0 / 0.01, 1e-3);
-  EXPECT_NEAR(film.around(3, 4).sum.x, 5.0, 1e-6);
-  EXPECT_EQ(film.around(3, 4).count, 24);
-  EXPECT_EQ(Film(1, 1).around(0, 0).count, 0);
+  EXPECT_NEAR(around(3, 4).sum.x, 5.0, 1e-6);
+  EXPECT_EQ(around(3, 4).count, 24);
+  EXPECT_EQ(Film(1, 1).surroundings()[0].count, 0);
 }
 
 TEST(Film, MergingFilmsIsRenderingOn) {
@@ -202,8 +202,8 @@ TEST(Film, FlatAreasHaveNoNoiseFromWeights) {
   }
 }
 
-// Against the truth where the picture is not flat: positions x uniform in [-1, 1], f = x^2, weights 1.5 for |x| < 0.8
-// and -1 beyond, which are 1 on average.
+// Against the truth where the picture is not flat: positions x uniform in [-1, 1], f = x^2, weights 1.5 for |x|
+// < 0.8 and -1 beyond, which are 1 on average.
 TEST(Film, SignedWeightsConvergeToTheFilteredValue) {
   constexpr int pixels = 64, passes = 16, per_pass = 16;
   Film film(pixels, pixels);
@@ -230,8 +230,8 @@ TEST(Film, SignedWeightsConvergeToTheFilteredValue) {
   const double count = pixels * pixels, mean = sum / count, variance = squares / count - mean * mean;
   // The bias that film.h states, within 4 standard errors.
   EXPECT_NEAR(mean, expected + (plain - expected) / n, 4.0 * std::sqrt(variance / count));
-  // Estimated from batches against seen between pixels: 4096 pixels give the variance to 2.2 % (1 sigma). (S9) divides
-  // by means that are certain, which are smaller.
+  // Estimated from batches against seen between pixels: 4096 pixels give the variance to 2.2 % (1 sigma). (S9)
+  // divides by means that are certain, which are smaller.
   const double estimated = film.relative_error() * film.relative_error() * (expected * expected + 0.01);
   EXPECT_GT(estimated / variance, 0.9);
   EXPECT_LT(estimated / variance, 1.25);
