@@ -33,6 +33,7 @@ class Bytes {
     while (bytes_.size() % multiple != 0) bytes_.push_back(static_cast<std::byte>(with));
   }
   [[nodiscard]] const std::vector<std::byte>& all() const { return bytes_; }
+  [[nodiscard]] std::vector<std::byte> take() && { return std::move(bytes_); }
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
 
  private:
@@ -104,7 +105,32 @@ ordered_json gltf_json(double exposure) {
           {"materials", ordered_json::array({material})}};
 }
 
-void add_meshes(ordered_json& gltf, const DisplayMesh& mesh, std::span<const Shape> shapes, Buffers& buffers) {
+// glTF's cameras look down their -z axis, +x to the right; ours down +z, +x to the left.
+std::optional<M44d> gltf_matrix(const CameraDescription& camera) {
+  if (camera.projection != Projection::perspective) return std::nullopt;
+  M44d half_turn;
+  half_turn[0][0] = half_turn[2][2] = -1.0;
+  const M44d to_world = half_turn * camera.to_world;
+  return to_world.determinant() > 0.0 ? std::optional(to_world) : std::nullopt;
+}
+
+// Row vectors, row by row, are column vectors, column by column.
+ordered_json matrix_json(const M44d& matrix) {
+  ordered_json numbers = ordered_json::array();
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) numbers.push_back(matrix[row][column]);
+  return numbers;
+}
+
+// A near plane that depth buffers can bear, of a camera anywhere in the scene.
+double near_of(const DisplayMesh& mesh) {
+  Box3f box;
+  for (const DisplaySide& side : mesh.sides)
+    for (const V3f& p : side.position) box.extendBy(p);
+  return box.isEmpty() ? 1e-3 : std::max(1e-3 * static_cast<double>(box.size().length()), 1e-30);
+}
+
+void add_meshes(ordered_json& gltf, const DisplayMesh& mesh, const Scene& scene, Buffers& buffers) {
   ordered_json nodes = ordered_json::array(), meshes = ordered_json::array(), accessors = ordered_json::array(),
                roots = ordered_json::array();
   for (std::size_t begin = 0, end = 0; begin < mesh.sides.size(); begin = end) {
@@ -113,11 +139,19 @@ void add_meshes(ordered_json& gltf, const DisplayMesh& mesh, std::span<const Sha
       if (!mesh.sides[end].triangle.empty())
         primitives.push_back(add_primitive(mesh.sides[end], buffers, accessors));
     if (primitives.empty()) continue;
-    const std::string& name = shapes[mesh.sides[begin].shape].name;
+    const std::string& name = scene.shapes()[mesh.sides[begin].shape].name;
     roots.push_back(nodes.size());
     nodes.push_back({{"name", name}, {"mesh", meshes.size()}});
     meshes.push_back({{"name", name}, {"primitives", primitives}});
   }
+  if (const std::optional<CameraDescription>& camera = scene.description().camera)
+    if (const std::optional<M44d> to_world = gltf_matrix(*camera)) {
+      roots.push_back(nodes.size());
+      nodes.push_back({{"name", "camera"}, {"camera", 0}, {"matrix", matrix_json(*to_world)}});
+      const double yfov = camera->fov_degrees * pi / 180.0;
+      gltf["cameras"] = ordered_json::array(
+          {{{"type", "perspective"}, {"perspective", {{"yfov", yfov}, {"znear", near_of(mesh)}}}}});
+    }
   gltf["scene"] = 0;
   if (nodes.empty()) {
     gltf["scenes"] = ordered_json::array({ordered_json::object()});
@@ -125,6 +159,7 @@ void add_meshes(ordered_json& gltf, const DisplayMesh& mesh, std::span<const Sha
   }
   gltf["scenes"] = ordered_json::array({ordered_json{{"nodes", roots}}});
   gltf["nodes"] = nodes;
+  if (meshes.empty()) return;
   gltf["meshes"] = meshes;
   gltf["accessors"] = accessors;
   gltf["bufferViews"] = buffer_views(buffers);
@@ -169,10 +204,10 @@ void write_ply(const std::filesystem::path& path, const DisplayMesh& mesh) {
   write_atomically(path, bytes.all());
 }
 
-void write_glb(const std::filesystem::path& path, const DisplayMesh& mesh, std::span<const Shape> shapes) {
+std::vector<std::byte> glb_of(const DisplayMesh& mesh, const Scene& scene, std::string_view where) {
   Buffers buffers;
   ordered_json gltf = gltf_json(mesh.exposure);
-  add_meshes(gltf, mesh, shapes, buffers);
+  add_meshes(gltf, mesh, scene, buffers);
   Bytes json;
   json.add_text(gltf.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
   json.pad(4, ' ');
@@ -180,7 +215,7 @@ void write_glb(const std::filesystem::path& path, const DisplayMesh& mesh, std::
   const std::size_t binary = buffers.positions.size() + buffers.colors.size() + buffers.indices.size();
   const std::size_t total = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
   if (total > 0xffffffffu)
-    throw Error(path.string(), "more than the 4 GB that glTF can hold", "solve with fewer --elements");
+    throw Error(std::string(where), "more than the 4 GB that glTF can hold", "solve with fewer --elements");
   Bytes bytes;
   bytes.add_text("glTF");
   bytes.add(std::uint32_t{2});
@@ -194,7 +229,11 @@ void write_glb(const std::filesystem::path& path, const DisplayMesh& mesh, std::
     for (const Bytes* part : {&buffers.positions, &buffers.colors, &buffers.indices})
       bytes.add_all(part->all());
   }
-  write_atomically(path, bytes.all());
+  return std::move(bytes).take();
+}
+
+void write_glb(const std::filesystem::path& path, const DisplayMesh& mesh, const Scene& scene) {
+  write_atomically(path, glb_of(mesh, scene, path.string()));
 }
 
 }  // namespace twopass

@@ -4,20 +4,21 @@
 #include <bit>
 #include <cstring>
 
+#include "radiosity/mesh_files.h"
 #include "radiosity/scene_fingerprint.h"
 #include "render/core/deflate.h"
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
 #include "render/image/regular_file.h"
 
-// The format: a header of fixed size, the solution, and a CRC-32 of all that stands before it. Numbers are
-// little-endian; lists are their length (64 bits) and their entries.
+// The format: a header of fixed size, a list of the bytes of its display, the solution, and a CRC-32 of all
+// that stands before it. Numbers are little-endian; lists are their length (64 bits) and their entries.
 namespace twopass {
 
 namespace {
 
 constexpr char magic[8] = {'\x89', '2', 'p', 'a', 's', 's', '\r', '\n'};  // spoilt by whoever takes it for text
-constexpr std::uint32_t format_version = 1;
+constexpr std::uint32_t format_version = 2;
 constexpr std::size_t checksum_size = 4;
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
@@ -79,6 +80,8 @@ class Reader {
     const std::uint64_t count = length();
     for (std::uint64_t k = 0; k < count && !failed_; ++k) (*this)(texts.emplace_back());
   }
+  /// The next list of bytes, where it lies.
+  std::span<const std::byte> bytes() { return take(length(), 1); }
   /// Nothing was missing and nothing is left over.
   [[nodiscard]] bool complete() const { return !failed_ && rest_.empty(); }
 
@@ -145,8 +148,7 @@ constexpr std::uint32_t byte_order_mark = 0x01020304;
 
 // The content between header and checksum, once it is certain that it is what was written.
 std::span<const std::byte> checked_content(const std::filesystem::path& path, std::span<const std::byte> bytes,
-                                           const Scene& scene) {
-  Header header;
+                                           Header& header) {
   if (bytes.size() < sizeof magic || std::memcmp(bytes.data(), magic, sizeof magic) != 0)
     throw Error(path.string(), "not a radiosity solution", "give a .radiosity file made with twopass solve");
   if (bytes.size() < sizeof header + checksum_size) refuse(path, "the file is incomplete");
@@ -162,10 +164,6 @@ std::span<const std::byte> checked_content(const std::filesystem::path& path, st
   if (header.version != format_version || header.size != bytes.size() ||
       crc32_of(bytes.first(bytes.size() - checksum_size)) != checksum)
     refuse(path, "the file is damaged");
-  if (header.fingerprint != scene_fingerprint(scene))
-    throw Error(path.string(), "this solution belongs to another scene",
-                "give the scene that it was made of, with the same -D and --sky, or make it again with twopass "
-                "solve");
   return bytes.subspan(sizeof header, bytes.size() - sizeof header - checksum_size);
 }
 
@@ -192,7 +190,8 @@ bool all_finite(const std::vector<float>& numbers) {
 
 }  // namespace
 
-std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution) {
+std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution,
+                                         const std::vector<std::byte>& display) {
   Writer write;
   Header header{};
   std::memcpy(header.magic, magic, sizeof magic);
@@ -201,6 +200,7 @@ std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& sol
   std::strncpy(header.program, TWOPASS_VERSION, sizeof header.program - 1);
   header.fingerprint = scene_fingerprint(scene);
   write(header);
+  write(display);
   const ElementMesh::Saved mesh = solution.mesh().save();
   visit_mesh(mesh, write);
   write(as_numbers(solution.irradiances()));
@@ -214,7 +214,13 @@ std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& sol
 
 Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scene,
                              const std::filesystem::path& where) {
-  Reader read(checked_content(where, bytes, scene));
+  Header header;
+  Reader read(checked_content(where, bytes, header));
+  if (header.fingerprint != scene_fingerprint(scene))
+    throw Error(where.string(), "this solution belongs to another scene",
+                "give the scene that it was made of, with the same -D and --sky, or make it again with twopass "
+                "solve");
+  read.bytes();
   ElementMesh::Saved saved;
   std::vector<float> irradiance;
   RadiosityStats stats;
@@ -230,12 +236,22 @@ Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scen
 }
 
 void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution) {
-  write_atomically(path, solution_to_bytes(scene, solution));
+  const std::vector<std::byte> display = glb_of(display_mesh(scene, solution), scene, path.string());
+  write_atomically(path, solution_to_bytes(scene, solution, display));
 }
 
 Solution load_solution(const std::filesystem::path& path, const Scene& scene) {
   const std::string bytes = read_regular_file(path);
   return solution_from_bytes(std::as_bytes(std::span(bytes)), scene, path);
+}
+
+std::vector<std::byte> display_of_solution(const std::filesystem::path& path) {
+  const std::string bytes = read_regular_file(path);
+  Header header;
+  Reader read(checked_content(path, std::as_bytes(std::span(bytes)), header));
+  const std::span<const std::byte> display = read.bytes();
+  if (display.empty()) refuse(path, "the file is damaged");
+  return {display.begin(), display.end()};
 }
 
 }  // namespace twopass

@@ -9,8 +9,9 @@
 
 namespace twopass {
 
-/// Writes the solution atomically. The file names the scene by its fingerprint, so it serves no other.
-/// REQUIRES: a solution of the scene. Throws Error when it cannot be written.
+/// Writes the solution atomically. The file names the scene by its fingerprint, so it serves no other; and it
+/// holds what a solution looks like (display_of_solution). REQUIRES: a solution of the scene. Throws Error when
+/// it cannot be written.
 void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution);
 
 /// The same solution again, bit for bit. Throws Error when the file cannot be read, is not a solution, is
@@ -18,8 +19,13 @@ void save_solution(const std::filesystem::path& path, const Scene& scene, const 
 /// another scene. REQUIRES: the scene outlives the solution.
 Solution load_solution(const std::filesystem::path& path, const Scene& scene);
 
-/// The same to and from the bytes of a file; `where` stands for it in errors.
-std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution);
+/// What a solution looks like, as binary glTF (glb_of), which takes no scene. Throws Error as load_solution
+/// does.
+std::vector<std::byte> display_of_solution(const std::filesystem::path& path);
+
+/// The same to and from the bytes of a file; `where` stands for it in errors, `display` is kept as it is.
+std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution,
+                                         const std::vector<std::byte>& display = {});
 Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scene,
                              const std::filesystem::path& where);
 

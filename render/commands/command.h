@@ -34,5 +34,6 @@ void add_solve_command(CLI::App& program, const GlobalOptions& global, Action& a
 void add_compare_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_form_factors_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_info_command(CLI::App& program, const GlobalOptions& global, Action& action);
+void add_view_command(CLI::App& program, const GlobalOptions& global, Action& action);
 
 }  // namespace twopass

@@ -44,7 +44,7 @@ void write_solution(const std::string& path, const Scene& scene, const Solution&
   if (format == SolutionFormat::ply)
     write_ply(path, *mesh);
   else
-    write_glb(path, *mesh, scene.shapes());
+    write_glb(path, *mesh, scene);
 }
 
 void report(const SolveOptions& options, const RenderStatistics& s, const Console& console) {

@@ -35,7 +35,7 @@ class MeshFiles : public FileTest {
 };
 
 TEST_F(MeshFiles, GlbIsReadBackByAnotherProgramsReader) {
-  write_glb(file("a.glb"), display_, scene_.shapes());
+  write_glb(file("a.glb"), display_, scene_);
   Assimp::Importer importer;
   const aiScene* read = importer.ReadFile(file("a.glb").string(), aiProcess_ValidateDataStructure);
   ASSERT_TRUE(read) << importer.GetErrorString();
@@ -61,7 +61,7 @@ TEST_F(MeshFiles, GlbIsReadBackByAnotherProgramsReader) {
 }
 
 TEST_F(MeshFiles, OurOwnLoaderReadsTheGlbBack) {
-  write_glb(file("a.glb"), display_, scene_.shapes());
+  write_glb(file("a.glb"), display_, scene_);
   Notes notes;
   const GltfDocument document = read_gltf(file("a.glb"), notes);
   GltfLosses losses;
@@ -86,9 +86,29 @@ TEST_F(MeshFiles, OurOwnLoaderReadsTheGlbBack) {
   EXPECT_TRUE(is_emitter(loaded.scene.shapes[0]));
 }
 
+// The picture that a glTF viewer makes has the scene's camera: our loader, which knows both conventions, finds
+// it again.
+TEST_F(MeshFiles, GlbHoldsTheCamera) {
+  SceneDescription description = test::lit_room();
+  CameraDescription camera;
+  camera.to_world = look_at(V3d(0.1, 0.5, -2.0), V3d(0.3, 0.4, 1.0), V3d(0.1, 1.0, 0.0), "test");
+  camera.fov_degrees = 35.0;
+  camera.fov_axis = FovAxis::y;
+  description.camera = camera;
+  write_glb(file("a.glb"), display_, Scene(std::move(description)));
+  const LoadedScene loaded = load_scene(file("a.glb"), {});
+  ASSERT_TRUE(loaded.scene.camera);
+  const Camera before(camera, 64, 64), after(*loaded.scene.camera, 64, 64);
+  for (const V2f pixel : {V2f(0, 0), V2f(64, 10), V2f(32, 32)}) {
+    const Ray a = before.ray(pixel).ray, b = after.ray(pixel).ray;
+    EXPECT_LT((a.direction - b.direction).length(), 1e-5f);
+    EXPECT_LT((a.origin - b.origin).length(), 1e-5f);
+  }
+}
+
 // What the specification demands of the container and of accessors.
 TEST_F(MeshFiles, GlbKeepsTheRulesOfTheFormat) {
-  write_glb(file("a.glb"), display_, scene_.shapes());
+  write_glb(file("a.glb"), display_, scene_);
   const std::string glb = content_of(file("a.glb"));
   const auto word = [&](std::size_t at) {
     std::uint32_t value;
@@ -178,13 +198,13 @@ TEST_F(MeshFiles, PlyIsReadBackByAnotherProgramsReader) {
 }
 
 TEST_F(MeshFiles, EmptyMeshesAndFailedWritesAreNoTrouble) {
-  write_glb(file("a.glb"), {}, {});
+  write_glb(file("a.glb"), {}, Scene{SceneDescription{}});
   write_ply(file("a.ply"), {});
   const std::string glb = content_of(file("a.glb"));
   const auto gltf = nlohmann::json::parse(glb.substr(20));
   EXPECT_FALSE(gltf.contains("buffers"));
   EXPECT_TRUE(contains(content_of(file("a.ply")), "element vertex 0\n"));
-  EXPECT_THROW(write_glb(folder() / "nowhere" / "a.glb", display_, scene_.shapes()), Error);
+  EXPECT_THROW(write_glb(folder() / "nowhere" / "a.glb", display_, scene_), Error);
   EXPECT_THROW(write_ply(folder() / "nowhere" / "a.ply", display_), Error);
   EXPECT_EQ(files_in_folder(), 2u);
 }

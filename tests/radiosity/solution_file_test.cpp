@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include "radiosity/display_mesh.h"
+#include "radiosity/mesh_files.h"
 #include "radiosity/scene_fingerprint.h"
 #include "radiosity/subdivision.h"
 #include "tests/image/files.h"
@@ -191,7 +193,7 @@ TEST_F(SolutionFile, ErrorsSayWhatIsWrong) {
   EXPECT_TRUE(contains(error_with("ply\nformat ascii 1.0\n", scene), "not a radiosity solution"));
   EXPECT_TRUE(contains(error_with("", scene), "not a radiosity solution"));
   std::string newer = good;
-  newer[12] = 2;
+  newer[12] = 3;
   EXPECT_TRUE(contains(error_with(newer, scene), "newer version"));
   std::string damaged = good;
   damaged[good.size() / 2] = static_cast<char>(~damaged[good.size() / 2]);
@@ -199,6 +201,16 @@ TEST_F(SolutionFile, ErrorsSayWhatIsWrong) {
   EXPECT_TRUE(
       contains(error_of([&] { (void)load_solution(file("none.radiosity"), scene); }), "there is no such file"));
   EXPECT_TRUE(contains(error_of([&] { (void)load_solution(folder(), scene); }), "this is a folder"));
+}
+
+// What there is to be seen is in the file, for whoever has not the scene.
+TEST_F(SolutionFile, HoldsItsDisplay) {
+  const Scene scene(test::lit_cube(0.5f));
+  const Solution solution = solve_radiosity(scene, few_elements(50));
+  save_solution(file("a.radiosity"), scene, solution);
+  EXPECT_EQ(display_of_solution(file("a.radiosity")), glb_of(display_mesh(scene, solution), scene, "a"));
+  put(file("b.radiosity"), content_of(file("a.radiosity")).substr(0, 2000));
+  EXPECT_THROW((void)display_of_solution(file("b.radiosity")), Error);
 }
 
 TEST_F(SolutionFile, AFailedWriteLeavesTheOldFileAlone) {
@@ -276,11 +288,15 @@ TEST(SceneFingerprint, ChangesWithWhatMattersOnly) {
   original.shapes.push_back({"disk", Disk{}, 0, dark});
   original.shapes.push_back({"cylinder", Cylinder{}, 0, dark});
   original.shapes.push_back(
-      {"copy", MeshInstance{std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 0))), {}}, 0, dark});
-  MeshColors colors{"vertex_color", std::make_shared<const MeshColors::Values>(MeshColors::Values{{black, black}, C3f(0.0f)}), {}};
-  original.materials.push_back(one_sided(
-      "coloured", MaterialSide(std::make_shared<const MaterialNode>(
-                      MaterialNode{TexturedModel{Diffuse{}, {{0, Texture(colors)}}}}))));
+      {"copy",
+       MeshInstance{std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 0))), {}}, 0,
+       dark});
+  MeshColors colors{"vertex_color",
+                    std::make_shared<const MeshColors::Values>(MeshColors::Values{{black, black}, C3f(0.0f)}),
+                    {}};
+  original.materials.push_back(
+      one_sided("coloured", MaterialSide(std::make_shared<const MaterialNode>(
+                                MaterialNode{TexturedModel{Diffuse{}, {{0, Texture(colors)}}}}))));
   original.shapes[0].material = 8;
   const std::uint64_t with_more = print(original);
   const auto changes = [&](auto change) {
@@ -305,7 +321,8 @@ TEST(SceneFingerprint, ChangesWithWhatMattersOnly) {
     std::get<MeshInstance>(i).mesh =
         std::make_shared<const Mesh>(test::quad(V3f(0.0f), V3f(1, 0, 0), V3f(0, 1, 1e-3f)));
   }));
-  colors.values = std::make_shared<const MeshColors::Values>(MeshColors::Values{{black, {C3f(0, 1, 0), C3f(0.0f), C3f(0.0f)}}, C3f(0.0f)});
+  colors.values = std::make_shared<const MeshColors::Values>(
+      MeshColors::Values{{black, {C3f(0, 1, 0), C3f(0.0f), C3f(0.0f)}}, C3f(0.0f)});
   original.materials[8] = with_textures(original.materials[8], [&](const Texture&) { return Texture(colors); });
   EXPECT_NE(print(original), with_more);
 }
