@@ -1,4 +1,4 @@
-// Bytes as text.
+// Bytes as text, for pages that hold them.
 #pragma once
 
 #include <cstddef>

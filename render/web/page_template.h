@@ -1,4 +1,4 @@
-// HTML pages from templates.
+// HTML pages from templates with gaps to fill in.
 #pragma once
 
 #include <string>

@@ -33,9 +33,14 @@ TEST(PageTemplate, FillsInWithoutLookingAgain) {
 }
 
 TEST(WalkPage, HoldsTheModelAndNeedsNothingElse) {
-  const Scene scene(test::lit_cube(0.5f));
-  const std::vector<std::byte> glb =
-      glb_of(display_mesh(scene, solve_radiosity(scene, [] { RadiosityOptions o; o.max_elements = 100; return o; }())), scene, "a");
+  const Scene scene(test::unit_room(C3f(0.5f), C3f(1.0f / pi_f), C3f(0.5f)));
+  const std::vector<std::byte> glb = glb_of(display_mesh(scene, solve_radiosity(scene,
+                                                                                [] {
+                                                                                  RadiosityOptions o;
+                                                                                  o.max_elements = 100;
+                                                                                  return o;
+                                                                                }())),
+                                            scene, "a");
   const std::string page = walk_page("<script>alert(1)</script>", glb, "a");
   EXPECT_NE(page.find(base64(glb)), page.npos);
   EXPECT_NE(page.find("&lt;script&gt;alert(1)"), page.npos);
