@@ -5,6 +5,7 @@
 #include "render/core/error.h"
 #include "render/load/mitsuba_emitters.h"
 #include "render/scene/mesh_facts.h"
+#include "render/scene/room_view.h"
 
 namespace twopass {
 
@@ -26,19 +27,38 @@ bool has_light(const SceneDescription& scene) {
          std::ranges::any_of(scene.shapes, is_emitter);
 }
 
-// What a newcomer sees instead of a black picture of nothing.
-std::string addition_text(bool sky, bool camera) {
-  if (!camera) return "no light: a neutral sky shines on it (--sky or --envmap give another, --sky 0,0,0 none)";
-  const std::string text = "no camera: all of it is framed (--camera and --fov give another view)";
-  return sky ? "no camera and no light: all of it is framed, under a neutral sky (--camera, --fov, --sky, "
-               "--envmap)"
-             : text;
+// What a newcomer sees instead of a black picture of nothing, in words.
+std::string addition_text(bool light, bool camera, bool is_room) {
+  const std::string what = camera && light ? "no camera and no light: " : camera ? "no camera: " : "no light: ";
+  std::string options = camera ? "--camera and --fov" : "";
+  if (light) options += std::string(camera ? ", " : "") + "--sky or --envmap";
+  std::string text;
+  if (camera) text = is_room ? "a closed room, seen from one of its corners" : "all of it is framed";
+  if (light)
+    text += std::string(camera    ? ", "
+                        : is_room ? "a closed room, "
+                                  : "") +
+            (is_room ? "under a lamp of our own" : "under a neutral sky");
+  return what + text + " (" + options + " give another" + (camera && !light ? " view" : "") +
+         (light ? ", --sky 0,0,0 none" : "") + ")";
+}
+
+void add_lamp(SceneDescription& scene, const RoomView& room) {
+  Shape lamp;
+  lamp.name = "lamp";
+  lamp.geometry = room.lamp;
+  lamp.material = static_cast<std::uint32_t>(scene.materials.size());
+  lamp.radiance[front] = C3f(room.radiance);
+  const Diffuse black{C3f(0.0f)};
+  scene.materials.push_back(two_sided("lamp", black, black));
+  scene.shapes.push_back(std::move(lamp));
 }
 
 }  // namespace
 
 void SceneOptions::add_to(CLI::App& command) {
-  command.add_option("scene", file, "Scene: Mitsuba XML (.xml), Wavefront (.obj) or glTF 2.0 (.gltf, .glb)")->required();
+  command.add_option("scene", file, "Scene: Mitsuba XML (.xml), Wavefront (.obj) or glTF 2.0 (.gltf, .glb)")
+      ->required();
   command.add_option("-D", definitions, "Value of a parameter of a Mitsuba scene, name=value (repeatable)")
       ->allow_extra_args(false);
   command.add_flag("--ignore-unsupported", ignore_unsupported,
@@ -88,12 +108,19 @@ LoadedScene SceneOptions::load(const Console& console, Additions additions) cons
   SceneDescription& scene = loaded.scene;
   if (!sky.empty()) scene.environment = Environment(C3f(sky[0], sky[1], sky[2]));
   if (!envmap.empty()) scene.environment = read_environment_map(envmap, {});
-  const bool wants_sky = additions != Additions::none && sky.empty() && envmap.empty() && !has_light(scene);
+  const bool wants_light = additions != Additions::none && sky.empty() && envmap.empty() && !has_light(scene);
   const bool wants_camera = additions == Additions::light_and_camera && !scene.camera && camera.empty();
-  if (wants_sky) scene.environment = Environment(C3f(1.0f));
+  std::optional<RoomView> room;
+  if (wants_light || wants_camera) room = find_room_view(scene.shapes);
   if (wants_camera)
-    scene.camera = framing_camera(bounds_of(scene.shapes),
-                                  faces_inward(scene.shapes) ? FramingView::front : FramingView::three_quarter);
+    scene.camera =
+        room ? room->camera
+             : framing_camera(bounds_of(scene.shapes),
+                              faces_inward(scene.shapes) ? FramingView::front : FramingView::three_quarter);
+  if (wants_light && room)
+    add_lamp(scene, *room);
+  else if (wants_light)
+    scene.environment = Environment(C3f(1.0f));
   if (!camera.empty()) {
     const auto vector = [&](int i) { return V3d(camera[i], camera[i + 1], camera[i + 2]); };
     if (!scene.camera) scene.camera.emplace();
@@ -105,7 +132,8 @@ LoadedScene SceneOptions::load(const Console& console, Additions additions) cons
     scene.camera->fov_degrees = *fov_degrees;
     scene.camera->fov_axis = FovAxis::x;
   }
-  if (wants_sky || wants_camera) console.note(file + ": " + addition_text(wants_sky, wants_camera));
+  if (wants_light || wants_camera)
+    console.note(file + ": " + addition_text(wants_light, wants_camera, room.has_value()));
   return loaded;
 }
 

@@ -222,7 +222,8 @@ class Reporter {
       punctual_power += power(light, radius);
     }
     const C3f sky = scene_.environment.mean_radiance();
-    if (!needs_of(scene_).light) problem("there is no light: render puts a neutral sky around it");
+    if (!needs_of(scene_).light)
+      problem("there is no light: render adds a neutral sky, or a lamp in a closed room");
     return {{"triangles", emitting_.triangles},
             {"spheres", emitting_.spheres},
             {"disks", emitting_.disks},
@@ -251,7 +252,7 @@ class Reporter {
 
   ordered_json read_camera() {
     if (!scene_.camera) {
-      problem("there is no camera: render frames all of it");
+      problem("there is no camera: render frames all of it, or looks around in a closed room");
       return nullptr;
     }
     const CameraDescription& camera = *scene_.camera;
