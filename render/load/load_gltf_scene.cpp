@@ -7,6 +7,7 @@
 #include "render/load/gltf_mesh.h"
 #include "render/load/mesh_colors.h"
 #include "render/load/mesh_tools.h"
+#include "render/load/shape_group.h"
 
 namespace twopass {
 namespace {
@@ -22,6 +23,12 @@ Mesh part_of(const Mesh& mesh, bool mirrored) {
   return part;
 }
 
+/// A primitive of fewer triangles is copied for every node that shows it: an instance costs rays a detour, and
+/// about as much memory as ten triangles.
+constexpr std::size_t least_shared_triangles = 256;
+/// What an instance counts in the budget, in corners of triangles.
+constexpr std::size_t corners_of_instance = 30;
+
 class SceneBuilder {
  public:
   SceneBuilder(const GltfDocument& document, const TextureOptions& textures, LoadedScene& loaded, Notes& notes)
@@ -33,8 +40,13 @@ class SceneBuilder {
         materials_(document, textures_, loaded.scene, notes) {}
 
   void add_meshes(const std::vector<GltfPlace>& places) {
-    for (const GltfPlace& place : places)
-      if (const int mesh = document_.model.nodes[place.node].mesh; mesh >= 0) add_mesh(place, mesh);
+    for (const GltfPlace& place : places) ++uses_[document_.model.nodes[place.node].mesh];
+    std::map<int, std::size_t> uses_left = uses_;
+    for (const GltfPlace& place : places) {
+      const int mesh = document_.model.nodes[place.node].mesh;
+      if (mesh >= 0) add_mesh(place, mesh);
+      if (--uses_left[mesh] == 0) primitives_.erase(mesh);
+    }
     textures_.report();
     tiled_textures_ = textures_.tiled();
     const std::vector<std::string> losses = describe_losses();
@@ -69,11 +81,10 @@ class SceneBuilder {
     std::string name = document_.model.nodes[place.node].name;
     if (name.empty()) name = mesh.name.empty() ? node : mesh.name;
     for (std::size_t i = 0; i < primitives.size(); ++i)
-      if (primitives[i]) {
-        const int material = mesh.primitives[i].material;
-        add_primitive(place, *primitives[i], material, "mesh '" + mesh_name + "'",
-                      primitives.size() > 1 ? name + suffix(material, i) : name);
-      }
+      if (primitives[i])
+        add_primitive(place, {index, i}, *primitives[i], mesh.primitives[i].material,
+                      "mesh '" + mesh_name + "'",
+                      primitives.size() > 1 ? name + suffix(mesh.primitives[i].material, i) : name);
   }
 
   [[nodiscard]] std::string suffix(int material, std::size_t primitive) const {
@@ -84,43 +95,78 @@ class SceneBuilder {
     return std::string(":").append(std::to_string(primitive));
   }
 
-  void add_primitive(const GltfPlace& place, const GltfPrimitive& primitive, int material,
-                     const std::string& user, const std::string& name) {
-    losses_.corners += 3 * primitive.mesh.triangles.size();
-    check_budget();
+  void add_primitive(const GltfPlace& place, const std::pair<int, std::size_t>& key,
+                     const GltfPrimitive& primitive, int material, const std::string& user,
+                     const std::string& name) {
+    const bool mirrors = is_mirroring(place.to_world), has_bumps = looks_at_bumps(material, primitive);
+    std::vector<Shape> shapes;
+    // Bumps come out as dents on a mirror image: it needs another material.
+    if (uses_[key.first] > 1 && primitive.mesh.triangles.size() >= least_shared_triangles &&
+        !(mirrors && has_bumps) && ShapeGroup::is_placeable(place.to_world)) {
+      auto group = groups_.find(key);
+      if (group == groups_.end())
+        group = groups_.try_emplace(key, shapes_of(primitive, M44d(), "", material, has_bumps, user)).first;
+      if (!group->second.emits()) {
+        losses_.corners += corners_of_instance;
+        check_budget();
+        shapes = group->second.place(place.to_world, name, where_of(place), notes_);
+      }
+    }
+    if (shapes.empty()) {
+      losses_.corners += 3 * primitive.mesh.triangles.size();
+      check_budget();
+      shapes = shapes_of(primitive, place.to_world, where_of(place), material, has_bumps, user);
+      for (Shape& shape : shapes) shape.name = name;
+    }
+    for (Shape& shape : shapes) scene_.shapes.push_back(std::move(shape));
+  }
+
+  [[nodiscard]] bool looks_at_bumps(int material, const GltfPrimitive& primitive) const {
+    return material >= 0 && static_cast<std::size_t>(material) < document_.model.materials.size() &&
+           document_.model.materials[static_cast<std::size_t>(material)].normalTexture.index >= 0 &&
+           !(primitive.uvs[0].empty() && primitive.uvs[1].empty());
+  }
+
+  [[nodiscard]] std::string where_of(const GltfPlace& place) const {
+    return document_.file + ": node '" + name_of_node(document_, place.node) + "'";
+  }
+
+  /// The primitive at `to_world`, divided where a material looks different on mirrored texture coordinates;
+  /// without names.
+  std::vector<Shape> shapes_of(const GltfPrimitive& primitive, const M44d& to_world, const std::string& where,
+                               int material, bool has_bumps, const std::string& user) {
     Mesh mesh = primitive.mesh;
     GltfVertexData vertices{.colors = !primitive.colors.empty()};
     const GltfSurface& surface = materials_.of(material, vertices, user);
     if (vertices.colors) mesh.attributes.push_back({gltf_vertex_colors, primitive.colors});
     mesh.uvs = primitive.uvs[std::min(surface.uv_set, 1)];
-    transform(mesh, place.to_world, document_.file + ": node '" + name_of_node(document_, place.node) + "'");
-    if (is_mirroring(place.to_world)) reverse_winding(mesh);
-    const bool has_bumps =
-        material >= 0 && document_.model.materials[static_cast<std::size_t>(material)].normalTexture.index >= 0;
+    transform(mesh, to_world, where);
+    if (is_mirroring(to_world)) reverse_winding(mesh);
+    std::vector<Shape> shapes;
     if (!has_bumps || mesh.uvs.empty()) {
-      add_shape(std::move(mesh), surface, name);
-      return;
+      add_shape(std::move(mesh), surface, shapes);
+      return shapes;
     }
-    add_shape(part_of(mesh, false), surface, name);
+    add_shape(part_of(mesh, false), surface, shapes);
     Mesh mirrored = part_of(mesh, true);
-    if (mirrored.triangles.empty()) return;
+    if (mirrored.triangles.empty()) return shapes;
     vertices.mirrored = true;
-    add_shape(std::move(mirrored), materials_.of(material, vertices, user), name);
+    add_shape(std::move(mirrored), materials_.of(material, vertices, user), shapes);
+    return shapes;
   }
 
-  void add_shape(Mesh mesh, const GltfSurface& surface, const std::string& name) {
+  void add_shape(Mesh mesh, const GltfSurface& surface, std::vector<Shape>& shapes) {
     losses_.without_area += drop_degenerate_triangles(mesh);
     if (mesh.triangles.empty()) return;
     drop_flat_normals(mesh);
     Shape shape;
-    shape.name = name;
     shape.geometry = std::move(mesh);
     shape.material = surface.material;
     shape.radiance = surface.radiance;
     shape.radiance_texture = surface.radiance_texture;
     bind_mesh_colors(shape, scene_.materials, document_.file);
     if (surface.both_sides_emit) shape.radiance[back] = shape.radiance[front];
-    scene_.shapes.push_back(std::move(shape));
+    shapes.push_back(std::move(shape));
   }
 
   /// A small file can ask for the same large mesh again and again.
@@ -154,6 +200,8 @@ class SceneBuilder {
   GltfMaterials materials_;
   GltfLosses losses_;
   std::map<int, Primitives> primitives_;
+  std::map<int, std::size_t> uses_;                           // of meshes, by nodes
+  std::map<std::pair<int, std::size_t>, ShapeGroup> groups_;  // by mesh and primitive
 };
 
 }  // namespace

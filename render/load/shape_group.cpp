@@ -72,6 +72,10 @@ std::array<V3f, 3> turned(const std::array<V3f, 3>& axes, const M44d& m, double 
   return result;
 }
 
+Placement placement_of(const M44d& m) {
+  return {V3f(row(m, 0)), V3f(row(m, 1)), V3f(row(m, 2)), V3f(row(m, 3))};
+}
+
 /// An analytic surface where `m` puts it. REQUIRES: for spheres and cylinders `scale` > 0.
 Geometry placed(const Geometry& geometry, const M44d& m, double scale) {
   if (const auto* sphere = std::get_if<Sphere>(&geometry))
@@ -120,13 +124,20 @@ std::shared_ptr<const Mesh> ShapeGroup::shared_mesh(std::size_t member, bool mir
   return meshes[mirrored ? 1 : 0];
 }
 
+bool ShapeGroup::emits() const { return std::ranges::any_of(members_, is_emitter); }
+
+bool ShapeGroup::is_placeable(const M44d& to_world) {
+  const Placement p = placement_of(to_world);
+  const float volume = p.x.cross(p.y).dot(p.z);
+  return std::abs(volume) > 0.0f && std::isfinite(volume);
+}
+
 std::vector<Shape> ShapeGroup::place(const M44d& to_world, const std::string& name, const std::string& where,
                                      Notes& notes) {
   const bool mirrored = is_mirroring(to_world);
   const M44d m = mirrored ? mirror_x() * to_world : to_world;
-  const Placement placement{V3f(row(m, 0)), V3f(row(m, 1)), V3f(row(m, 2)), V3f(row(m, 3))};
-  const float volume = placement.x.cross(placement.y).dot(placement.z);
-  if (!(std::abs(volume) > 0.0f) || !std::isfinite(volume))
+  const Placement placement = placement_of(m);
+  if (!is_placeable(to_world))
     throw Error(where, "the transform flattens the instance, or its numbers are too large or too small",
                 "every axis needs a size; or use other units");
   const double scale = similarity_scale(to_world);
@@ -134,7 +145,7 @@ std::vector<Shape> ShapeGroup::place(const M44d& to_world, const std::string& na
   for (std::size_t k = 0; k < members_.size(); ++k) {
     const Shape& member = members_[k];
     Shape shape;
-    shape.name = name + "/" + member.name;
+    shape.name = member.name.empty() ? name : name + "/" + member.name;
     shape.material = member.material;
     const bool is_mesh = std::holds_alternative<Mesh>(member.geometry);
     if (!is_mesh && (scale > 0.0 || std::holds_alternative<Disk>(member.geometry))) {

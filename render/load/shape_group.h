@@ -16,10 +16,14 @@ class ShapeGroup {
  public:
   explicit ShapeGroup(std::vector<Shape> members);
 
-  /// Copies of all members at `to_world` (row vectors), called name/member. Meshes are shared (mirror images
-  /// share a mirrored one). Disks stay disks, and under similarities spheres and cylinders what they are;
-  /// stretched or sheared, they become fine meshes, with a note. Throws Error at `where` for transforms that
-  /// flatten the group or carry it too far away.
+  /// Whether any of the members emits.
+  [[nodiscard]] bool emits() const;
+  /// Whether the transform neither flattens what it is applied to nor has numbers too large or too small.
+  [[nodiscard]] static bool is_placeable(const M44d& to_world);
+  /// Copies of all members at `to_world` (row vectors), called name/member, or name where that has none. Meshes
+  /// are shared (mirror images share a mirrored one). Disks stay disks, and under similarities spheres and
+  /// cylinders what they are; stretched or sheared, they become fine meshes, with a note. Throws Error at
+  /// `where` for transforms that flatten the group or carry it too far away.
   std::vector<Shape> place(const M44d& to_world, const std::string& name, const std::string& where,
                            Notes& notes);
 

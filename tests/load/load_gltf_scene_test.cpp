@@ -1,5 +1,6 @@
 #include "render/load/load_gltf_scene.h"
 
+#include "render/scene/geometry.h"
 #include "tests/load/gltf_writer.h"
 #include "tests/load/load_fixture.h"
 
@@ -277,6 +278,69 @@ TEST_F(LoadGltfScene, ParametersAreMitsubas) {
   w.add_triangle();
   const auto path = write("scene.gltf", w.gltf());
   expect_error([&] { load_scene(path, {{"a", "1"}}); }, {"-D a", "only Mitsuba's scenes have parameters"});
+}
+
+// A wavy strip of `triangles` triangles.
+json strip(GltfWriter& w, int triangles) {
+  std::vector<float> positions;
+  for (int i = 0; i < triangles + 2; ++i) {
+    const auto x = static_cast<float>(i);
+    positions.insert(positions.end(), {x, static_cast<float>(i % 2), std::sin(x)});
+  }
+  return {{"attributes", {{"POSITION", w.add_vec3(positions)}}}, {"mode", 5}};
+}
+
+const std::vector<json> places{
+    {{"translation", {1, 2, 3}}, {"rotation", {0.6, 0, 0, 0.8}}, {"scale", {2, 2, 2}}},
+    {{"translation", {-5, 0, 0}}, {"scale", {1, 3, 0.5}}},
+    {{"scale", {-1, 1, 1}}}};
+
+TEST_F(LoadGltfScene, NodesThatShareALargeMeshAreInstancesOfIt) {
+  GltfWriter shared, copied;
+  const json primitive = strip(shared, 400);
+  strip(copied, 400);
+  shared.add_mesh(primitive);
+  for (json node : places) {
+    node["mesh"] = 0;
+    shared.add_root(node);
+    node["mesh"] = copied.add_mesh(primitive);
+    copied.add_root(node);
+  }
+  const LoadedScene instances = load_gltf(shared.gltf()), copies = load_gltf(copied.gltf());
+  ASSERT_EQ(instances.scene.shapes.size(), 3u);
+  ASSERT_EQ(copies.scene.shapes.size(), 3u);
+  std::vector<const Mesh*> meshes;
+  for (std::size_t s = 0; s < 3; ++s) {
+    const Geometry &instance = instances.scene.shapes[s].geometry, &copy = copies.scene.shapes[s].geometry;
+    ASSERT_TRUE(std::holds_alternative<MeshInstance>(instance));
+    ASSERT_TRUE(std::holds_alternative<Mesh>(copy));
+    EXPECT_EQ(instances.scene.shapes[s].name, copies.scene.shapes[s].name);
+    meshes.push_back(mesh_of(instance));
+    ASSERT_EQ(mesh_of(instance)->triangles.size(), 400u);
+    ASSERT_EQ(mesh_of(copy)->triangles.size(), 400u);
+    for (std::uint32_t t = 0; t < 400; ++t) {
+      const auto a = corners(instance, t), b = corners(copy, t);
+      for (std::size_t k = 0; k < 3; ++k) expect_near(a[k], b[k], 1e-3f);
+    }
+  }
+  EXPECT_EQ(meshes[0], meshes[1]);
+  EXPECT_NE(meshes[0], meshes[2]);  // the mirror image
+}
+
+TEST_F(LoadGltfScene, SmallMeshesAndLampsAreCopied) {
+  for (const int triangles : {100, 400}) {
+    GltfWriter w;
+    json primitive = strip(w, triangles);
+    if (triangles == 400) primitive["material"] = w.add("materials", {{"emissiveFactor", {1, 1, 1}}});
+    w.add_mesh(primitive);
+    for (json node : places) {
+      node["mesh"] = 0;
+      w.add_root(node);
+    }
+    const LoadedScene loaded = load_gltf(w.gltf());
+    ASSERT_EQ(loaded.scene.shapes.size(), 3u);
+    for (const Shape& shape : loaded.scene.shapes) EXPECT_TRUE(std::holds_alternative<Mesh>(shape.geometry));
+  }
 }
 
 }  // namespace
