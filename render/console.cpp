@@ -7,12 +7,30 @@
 
 namespace twopass {
 
+std::string printable(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // C1 in UTF-8: C2 and 80 to 9F.
+    if (byte == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0 &&
+        static_cast<unsigned char>(text[i + 1]) >= 0x80) {
+      result += '?';
+      ++i;
+    } else if (byte == '\n' || byte == '\r' || byte == '\t') {
+      result += ' ';
+    } else {
+      result += byte < 0x20 || byte == 0x7f ? '?' : text[i];
+    }
+  }
+  return result;
+}
+
 void Console::note(const std::string& text) const {
-  if (verbosity_ != Verbosity::quiet) std::fprintf(stderr, "%s\n", text.c_str());
+  if (verbosity_ != Verbosity::quiet) std::fprintf(stderr, "%s\n", printable(text).c_str());
 }
 
 void Console::detail(const std::string& text) const {
-  if (verbosity_ == Verbosity::verbose) std::fprintf(stderr, "%s\n", text.c_str());
+  if (verbosity_ == Verbosity::verbose) std::fprintf(stderr, "%s\n", printable(text).c_str());
 }
 
 Progress::Progress(const Console& console, std::string label)

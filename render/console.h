@@ -4,10 +4,15 @@
 #include <atomic>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include "render/stopwatch.h"
 
 namespace twopass {
+
+/// Text for a terminal: names come from files, which may hold anything, also what a terminal would obey.
+/// Control characters (C0, C1, DEL) become '?', line ends blanks.
+std::string printable(std::string_view text);
 
 enum class Verbosity { quiet, normal, verbose };
 

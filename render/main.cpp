@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "interrupted before there was anything to write\n");
     return twopass::exit_interrupted;
   } catch (const twopass::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+    std::fprintf(stderr, "%s\n", twopass::printable(error.what()).c_str());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "twopass: out of memory; use a smaller picture, fewer elements or a larger machine\n");
   } catch (const std::exception& error) {

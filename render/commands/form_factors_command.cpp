@@ -44,7 +44,8 @@ std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
-std::string fitted(std::string text, std::size_t width) {
+std::string fitted(const std::string& name, std::size_t width) {
+  std::string text = printable(name);
   if (width_of(text) > width) {
     while (width_of(text) > width - 3) text.pop_back();
     text += "...";

@@ -21,7 +21,7 @@ struct InfoOptions {
 };
 
 std::string text(const ordered_json& value) {
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return printable(value.get<std::string>());
   if (value.is_number_float()) {
     char number[32];
     std::snprintf(number, sizeof number, "%.5g", value.get<double>());

@@ -331,7 +331,8 @@ TEST_F(Program, WhatIsNotSupportedCanBeLeftOut) {
         "<shape type='sdfgrid'/>\n<emitter type='constant'/></scene>");
   const Outcome refused = run("render some.xml -o a.exr --spp 1 --size 8x8");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.err.find("some.xml:2: shape 'sdfgrid' is not supported; supported shapes: "), std::string::npos)
+  EXPECT_NE(refused.err.find("some.xml:2: shape 'sdfgrid' is not supported; supported shapes: "),
+            std::string::npos)
       << refused.err;
   for (const char* command : {"render some.xml -o a.exr --spp 1 --size 8x8 --stats s.json",
                               "solve some.xml -o a.ply", "info some.xml"}) {
@@ -425,6 +426,46 @@ TEST_F(Program, AnObjWithoutCameraAndLightIsShownUnderANeutralSky) {
   EXPECT_TRUE(found);
   EXPECT_NE(run("render tri.obj -o a.exr --spp 1 --size 8x8 --sky 0,0,0").err.find("will be black"),
             std::string::npos);
+}
+
+TEST_F(Program, NamesFromFilesDoNotCommandTheTerminal) {
+  write("names.obj",
+        "o red\x1b[31m\xc2\x9bm \x7f\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl \x1b]0;mine\x07\nf 1 2 3\n");
+  write("names.xml", "<scene version='3.0.0'>\n<shape type='a&#10;b&#x1b;[2J'/></scene>");
+  for (const char* arguments :
+       {"info names.obj --verbose", "form-factors names.obj", "info names.xml"}) {
+    const Outcome result = run(arguments);
+    for (const char c : result.out + result.err) EXPECT_TRUE(c == '\n' || (c != '\x7f' && (c < 0 || c >= ' ')));
+    EXPECT_EQ((result.out + result.err).find("\xc2\x9b"), std::string::npos) << arguments;
+  }
+  EXPECT_EQ(std::ranges::count(run("info names.xml").err, '\n'), 1);
+}
+
+TEST_F(Program, AClosedRoomWithoutCameraAndLightIsSeenFromInsideUnderALamp) {
+  write("room.obj",
+        "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 0 0 5\nv 4 0 5\nv 4 3 5\nv 0 3 5\n"
+        "f 1 2 3 4\nf 5 8 7 6\nf 1 5 6 2\nf 4 3 7 8\nf 1 4 8 5\nf 2 6 7 3\n");
+  const Outcome result = run("render room.obj -o a.exr --spp 16 --size 32x24");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(
+      result.err.find("room.obj: no camera and no light: a closed room, seen from one of its corners, under "
+                      "a lamp of our own (--camera and --fov, --sky or --envmap give another"),
+      std::string::npos)
+      << result.err;
+  const Image image = read_picture(folder_ / "a.exr");
+  double sum = 0.0;
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 32; ++x) {
+      EXPECT_GT(image.rgb(x, y).x, 0.02f) << x << ' ' << y;
+      sum += std::min(image.rgb(x, y).x, 1.0f);
+    }
+  EXPECT_GT(sum / (24 * 32), 0.2);
+  EXPECT_LT(sum / (24 * 32), 0.8);
+  // A sky that is asked for is all there is.
+  const Outcome sky = run("render room.obj -o a.exr --spp 4 --size 8x8 --sky 1,1,1");
+  EXPECT_NE(sky.err.find("no camera: a closed room, seen from one of its corners (--camera"), std::string::npos)
+      << sky.err;
+  EXPECT_EQ(read_picture(folder_ / "a.exr").rgb(4, 4), C3f(0.0f));
 }
 
 TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {
