@@ -112,8 +112,7 @@ std::vector<std::uint32_t> renumber(std::vector<V3u>& triangles) {
   used.reserve(3 * triangles.size());
   for (const V3u& t : triangles) used.insert(used.end(), {t.x, t.y, t.z});
   std::ranges::sort(used);
-  const auto rest = std::ranges::unique(used);
-  used.erase(rest.begin(), rest.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
   const auto number = [&](std::uint32_t vertex) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(used, vertex) - used.begin());
   };

@@ -1,6 +1,6 @@
 #include "render/load/gltf_nodes.h"
 
-#include <ranges>
+#include <algorithm>
 
 #include "render/core/error.h"
 
@@ -101,7 +101,11 @@ std::vector<GltfPlace> gltf_places(const GltfDocument& document) {
   };
   // A stack instead of recursion: the file decides how deep it goes.
   std::vector<Waiting> stack;
-  for (const int root : roots(document) | std::views::reverse) stack.push_back({root, M44d(), "the scene"});
+  const auto push = [&](std::vector<int> nodes, const M44d& parent, const std::string& user) {
+    std::ranges::reverse(nodes);  // the first one is taken first
+    for (const int node : nodes) stack.push_back({node, parent, user});
+  };
+  push(roots(document), M44d(), "the scene");
   std::vector<bool> visited(document.model.nodes.size(), false);
   std::vector<GltfPlace> places;
   while (!stack.empty()) {
@@ -115,8 +119,7 @@ std::vector<GltfPlace> gltf_places(const GltfDocument& document) {
     const M44d to_world = local_transform(document, index) * next.parent;
     check_finite(to_world, document, index);
     places.push_back({index, to_world});
-    const std::string user = "node " + std::to_string(index);
-    for (const int child : node.children | std::views::reverse) stack.push_back({child, to_world, user});
+    push(node.children, to_world, "node " + std::to_string(index));
   }
   return places;
 }
