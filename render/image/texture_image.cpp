@@ -134,7 +134,7 @@ std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t seed) {
     hash ^= hash >> 29;
   }
   std::uint64_t rest = 0;
-  std::memcpy(&rest, bytes.data(), bytes.size());
+  if (!bytes.empty()) std::memcpy(&rest, bytes.data(), bytes.size());
   return hash_word(hash ^ rest);
 }
 

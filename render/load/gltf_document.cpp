@@ -24,7 +24,8 @@ void check_version(const json& document, const std::string& file) {
 std::vector<std::string> texts(const json& document, const char* name) {
   std::vector<std::string> result;
   for (const json& item : document.value(name, json::array()))
-    if (item.is_string()) result.push_back(item.get<std::string>());
+    if (item.is_string())
+      result.emplace_back(item.get_ref<const std::string&>().c_str());  // up to a character 0
   return result;
 }
 

@@ -222,6 +222,8 @@ class Checker {
                        (kinds & (numbers | wholes) && all([](const json& item) { return item.is_number(); })) ||
                        (kinds & objects && all([](const json& item) { return item.is_object(); }));
     if (!right) fail(path, "is not " + describe(kinds), "correct the file");
+    if (value.is_string() && value.get_ref<const std::string&>().find('\0') != std::string::npos)
+      fail(path, "has a character 0", "correct the file");  // messages would end there
     if (kinds & whole && value.is_number()) make_whole(value, name, path);
     if (kinds & number) make_real(value);
     if (kinds & wholes)

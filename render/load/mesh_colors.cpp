@@ -36,7 +36,7 @@ std::shared_ptr<const MeshColors::Values> values_of(const MeshAttribute& attribu
 class Binder {
  public:
   Binder(const Shape& shape, const std::string& where)
-      : shape_(shape), mesh_(std::get_if<Mesh>(&shape.geometry)), where_(where) {}
+      : shape_(shape), mesh_(mesh_of(shape.geometry)), where_(where) {}
 
   Texture operator()(const Texture& texture) {
     const auto* colors = std::get_if<MeshColors>(&texture);

@@ -101,8 +101,8 @@ class SceneReader {
     // All that are read from elements, those of groups too, at once: meshes are read in parallel.
     NamedShapes elements;
     std::map<const XmlNode*, std::pair<std::size_t, std::size_t>> members;  // of groups: a range of elements
-    const auto add = [&](const XmlNode& node) {
-      elements.emplace_back(&node, node.get("type") + "-" + std::to_string(elements.size() + 1));
+    const auto add = [&](const XmlNode& node, bool is_member) {
+      elements.push_back({&node, node.get("type") + "-" + std::to_string(elements.size() + 1), is_member});
     };
     for (const XmlNode& node : tree_.root.children) {
       if (node.tag != "shape") continue;
@@ -112,15 +112,15 @@ class SceneReader {
       }
       const std::size_t first = elements.size();
       if (node.get("type") != "shapegroup") {
-        add(node);
+        add(node, false);
         continue;
       }
-      for (const XmlNode* member : shapes_of_group(node, tree_)) add(*member);
+      for (const XmlNode* member : shapes_of_group(node, tree_)) add(*member, true);
       members[&node] = {first, elements.size()};
     }
     std::vector<Shape> shapes = read_mitsuba_shapes(elements, tree_, materials_, textures_, notes_);
     for (std::size_t i = 0; i < shapes.size(); ++i)
-      bind_mesh_colors(shapes[i], loaded_.scene.materials, elements[i].first->where());
+      bind_mesh_colors(shapes[i], loaded_.scene.materials, elements[i].node->where());
     place_shapes(std::move(shapes), members);
   }
 
@@ -128,7 +128,7 @@ class SceneReader {
   void place_shapes(std::vector<Shape> read,
                     const std::map<const XmlNode*, std::pair<std::size_t, std::size_t>>& members) {
     const auto is_seen = [](const Shape& shape) {
-      const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+      const Mesh* mesh = mesh_of(shape.geometry);
       return !mesh || !mesh->triangles.empty();
     };
     std::map<const XmlNode*, ShapeGroup> groups;

@@ -22,17 +22,34 @@ using MeshFromFile = SerializedMesh;
 /// A mesh as its file has it, kept for the shapes that follow with the same file and the same options.
 class ParsedMesh {
  public:
-  explicit ParsedMesh(std::size_t uses) : uses_(uses) {}
+  ParsedMesh(std::size_t uses, bool can_be_shared) : uses_(uses), can_be_shared_(can_be_shared) {}
   /// The mesh, read at the first call. REQUIRES: at most as many calls as there are uses, `read` always the
   /// same.
   MeshFromFile get(const std::function<MeshFromFile()>& read) {
     if (!mesh_) mesh_ = read();
     return --uses_ > 0 ? *mesh_ : std::move(*mesh_);
   }
+  /// Whether it is worth it that all shapes share one mesh, as instances.
+  bool is_shared(const std::function<MeshFromFile()>& read) {
+    if (!can_be_shared_ || uses_ < 2) return group_.has_value();
+    if (!mesh_) mesh_ = read();
+    return mesh_->mesh.triangles.size() >= least_shared_triangles && mesh_->mesh.attributes.empty();
+  }
+  /// What is shared; `finish` makes it of the file's mesh, in its own coordinates. REQUIRES: is_shared().
+  ShapeGroup& group(const std::function<Mesh(MeshFromFile)>& finish) {
+    if (!group_) group_.emplace(std::vector<Shape>{Shape{.name = "", .geometry = finish(*mesh_)}});
+    if (--uses_ == 0) mesh_.reset();
+    return *group_;
+  }
 
  private:
+  /// Smaller meshes are copied: an instance costs rays a detour, and about as much memory as ten triangles.
+  static constexpr std::size_t least_shared_triangles = 256;
+
   std::size_t uses_;
+  bool can_be_shared_;
   std::optional<MeshFromFile> mesh_;
+  std::optional<ShapeGroup> group_;
 };
 
 /// A flat quadrilateral of two triangles, counter-clockwise from a, with the unit square as texture
@@ -111,17 +128,35 @@ std::filesystem::path file_of(Properties& p, const MitsubaTree& tree) {
 /// What Mitsuba does to every mesh from a file, in its order: without normals in the file they are computed,
 /// smooth; face_normals discards both kinds. The winding stays as it comes out of the transform, even mirrored,
 /// unless normals say otherwise.
-Geometry finish_mesh(Mesh mesh, bool face_normals, Properties& p, Notes& notes) {
+Mesh finish_mesh(Mesh mesh, const M44d& to_world, bool face_normals, bool flipped, Properties& p,
+                 Notes& notes) {
   if (face_normals) mesh.normals.clear();
-  transform(mesh, p.transform("to_world"), p.where("to_world"));
+  transform(mesh, to_world, p.where("to_world"));
   if (drop_degenerate_triangles(mesh) > 0)
     notes.add(p.where("filename") + ": triangles without area in '" + p.text("filename").value_or("") +
               "' are left out");
   if (!face_normals && mesh.normals.empty()) compute_smooth_normals(mesh);
   orient_by_normals(mesh);
   drop_flat_normals(mesh);
-  if (p.boolean("flip_normals", false)) flip(mesh);
+  if (flipped) flip(mesh);
   return mesh;
+}
+
+/// The shape's mesh, or an instance of it where others show the same. Not where the transform mirrors or
+/// changes angles: Mitsuba computes normals afterwards.
+Geometry mesh_or_instance(ParsedMesh& parsed, const std::function<MeshFromFile()>& read, bool face_normals,
+                          Properties& p, Notes& notes) {
+  const M44d to_world = p.transform("to_world");
+  const bool flipped = p.boolean("flip_normals", false);
+  const auto finish = [&](MeshFromFile file, const M44d& transform) {
+    return finish_mesh(std::move(file.mesh), transform, face_normals || file.face_normals, flipped, p, notes);
+  };
+  if (similarity_scale(to_world) > 0.0 && !is_mirroring(to_world) && ShapeGroup::is_placeable(to_world) &&
+      parsed.is_shared(read)) {
+    ShapeGroup& group = parsed.group([&](MeshFromFile file) { return finish(std::move(file), M44d()); });
+    return std::move(group.place(to_world, "", p.where("to_world"), notes).front().geometry);
+  }
+  return finish(parsed.get(read), to_world);
 }
 
 void flip_v(Mesh& mesh) {
@@ -132,24 +167,24 @@ Geometry read_obj_shape(Properties& p, const MitsubaTree& tree, ParsedMesh& pars
   const std::filesystem::path path = file_of(p, tree);
   const bool face_normals = p.boolean("face_normals", false), flips_v = p.boolean("flip_tex_coords", true);
   p.ignore({"max_smooth_angle", "collapse"});
-  MeshFromFile read = parsed.get([&] {
+  const auto read = [&] {
     MeshFromFile file{mesh_of(read_obj(path, notes)), false};
     if (flips_v) flip_v(file.mesh);
     return file;
-  });
-  return finish_mesh(std::move(read.mesh), face_normals, p, notes);
+  };
+  return mesh_or_instance(parsed, read, face_normals, p, notes);
 }
 
 Geometry read_ply_shape(Properties& p, const MitsubaTree& tree, ParsedMesh& parsed, Notes& notes) {
   const std::filesystem::path path = file_of(p, tree);
   const bool face_normals = p.boolean("face_normals", false), flips_v = p.boolean("flip_tex_coords", false);
   p.ignore({"max_smooth_angle", "srgb"});
-  MeshFromFile read = parsed.get([&] {
+  const auto read = [&] {
     MeshFromFile file{read_ply(path, notes), false};
     if (flips_v) flip_v(file.mesh);
     return file;
-  });
-  return finish_mesh(std::move(read.mesh), face_normals, p, notes);
+  };
+  return mesh_or_instance(parsed, read, face_normals, p, notes);
 }
 
 Geometry read_serialized_shape(Properties& p, const MitsubaTree& tree, ParsedMesh& parsed, Notes& notes) {
@@ -158,8 +193,8 @@ Geometry read_serialized_shape(Properties& p, const MitsubaTree& tree, ParsedMes
   const int index = p.integer("shape_index").value_or(0);
   if (index < 0) throw Error(p.where("shape_index"), "a shape_index is not negative", "the first mesh has 0");
   p.ignore({"max_smooth_angle"});
-  MeshFromFile read = parsed.get([&] { return read_serialized(path, index); });
-  return finish_mesh(std::move(read.mesh), face_normals || read.face_normals, p, notes);
+  const auto read = [&] { return read_serialized(path, index); };
+  return mesh_or_instance(parsed, read, face_normals, p, notes);
 }
 
 /// Readers of geometry run in parallel: they touch nothing but their arguments.
@@ -226,9 +261,10 @@ class ShapeReader {
 };
 
 /// Two shapes with the same text here are the same before their transforms; "" where nothing is read from a
-/// file.
-std::string source_of(const XmlNode& node) {
+/// file. Shapes that cannot be instances stand apart from those that can.
+std::string source_of(const XmlNode& node, bool is_instance) {
   std::string source = node.get("type") + '\n' + node.file->string();
+  if (!is_instance) source += "\nalone";
   bool has_file = false;
   for (const XmlNode& child : node.children) {
     const std::string* name = child.find("name");
@@ -241,11 +277,12 @@ std::string source_of(const XmlNode& node) {
 }
 
 /// Indices of shapes by what they are read from, in the order of the first of each.
-std::vector<std::vector<std::size_t>> group_by_source(const NamedShapes& elements) {
+std::vector<std::vector<std::size_t>> group_by_source(const NamedShapes& elements,
+                                                      const std::vector<bool>& can_be_instance) {
   std::vector<std::vector<std::size_t>> groups;
   std::map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < elements.size(); ++i) {
-    const std::string source = source_of(*elements[i].first);
+    const std::string source = source_of(*elements[i].node, can_be_instance[i]);
     std::size_t group = groups.size();
     if (!source.empty()) group = known.try_emplace(source, group).first->second;
     if (group == groups.size()) groups.emplace_back();
@@ -260,10 +297,15 @@ std::vector<Shape> read_mitsuba_shapes(const NamedShapes& elements, const Mitsub
                                        MitsubaMaterials& materials, MitsubaTextures& textures, Notes& notes) {
   std::vector<ShapeReader> shapes;
   shapes.reserve(elements.size());
-  for (const auto& [node, name] : elements) shapes.emplace_back(*node, name, tree, materials, textures);
-  const auto groups = group_by_source(elements);
+  std::vector<bool> can_be_instance;
+  for (const NamedShape& element : elements) {
+    shapes.emplace_back(*element.node, element.name, tree, materials, textures);
+    const Shape& shape = shapes.back().shape;
+    can_be_instance.push_back(!element.is_member && !is_emitter(shape) && !shape.radiance_texture);
+  }
+  const auto groups = group_by_source(elements, can_be_instance);
   parallel_tasks(groups.size(), [&](std::size_t g) {
-    ParsedMesh parsed(groups[g].size());
+    ParsedMesh parsed(groups[g].size(), can_be_instance[groups[g].front()]);
     for (const std::size_t i : groups[g]) shapes[i].read_geometry(parsed);
   });
 

@@ -64,6 +64,7 @@ class HeaderReader {
     std::string_view line = text_.substr(at_, end - at_);
     at_ = end + 1;
     if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.find('\0') != std::string_view::npos) fail("a zero byte in the header", "the file is damaged");
     return line;
   }
 

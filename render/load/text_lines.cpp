@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "render/core/error.h"
 #include "render/load/text_file.h"
 
 namespace twopass {
@@ -20,17 +21,30 @@ std::string_view trim(std::string_view text) {
 }
 
 LineReader::LineReader(std::string_view text, std::string_view where)
-    : window_(text), size_(text.size()), behind_window_(text.size()) {
-  begin(where);
+    : where_(where), window_(text), size_(text.size()), behind_window_(text.size()) {
+  begin();
 }
 
 LineReader::LineReader(RegularFile& file, std::string_view where)
-    : file_(&file), buffer_(std::min<std::uint64_t>(buffer_size, file.size())), size_(file.size()) {
-  refill();
-  begin(where);
+    : where_(where),
+      file_(&file),
+      buffer_(std::min<std::uint64_t>(buffer_size, file.size())),
+      size_(file.size()) {
+  const std::size_t got = file.read(buffer_.data(), buffer_.size());
+  window_ = {buffer_.data(), got};
+  behind_window_ = got;
+  begin();
 }
 
-void LineReader::begin(std::string_view where) { window_ = utf8_text(window_, where); }
+void LineReader::begin() {
+  window_ = utf8_text(window_, where_);
+  check(window_);
+}
+
+void LineReader::check(std::string_view text) const {
+  if (text.find('\0') != std::string_view::npos)
+    throw Error(where_, "it holds zero bytes: this is no text", "check that it is the right file");
+}
 
 double LineReader::share_read() const {
   const std::uint64_t taken = behind_window_ - window_.size();
@@ -47,6 +61,7 @@ bool LineReader::refill() {
     std::copy(window_.begin(), window_.end(), buffer_.begin());
   const std::size_t got = file_->read(buffer_.data() + window_.size(), buffer_.size() - window_.size());
   behind_window_ += got;
+  check({buffer_.data() + window_.size(), got});
   window_ = {buffer_.data(), window_.size() + got};
   newline_is_known_ = false;
   return got > 0;

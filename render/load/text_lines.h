@@ -16,7 +16,8 @@ namespace twopass {
 /// the first time cost more than parsing what they hold.
 class LineReader {
  public:
-  /// `where`: the text's name in errors. Throws Error for UTF-16. REQUIRES: the text or file outlives this.
+  /// `where`: the text's name in errors. Throws Error for UTF-16
+  /// and zero bytes; so may next(). REQUIRES: the text or file outlives this.
   LineReader(std::string_view text, std::string_view where);
   LineReader(RegularFile& file, std::string_view where);
 
@@ -28,10 +29,12 @@ class LineReader {
   [[nodiscard]] double share_read() const;
 
  private:
-  void begin(std::string_view where);
+  void begin();
+  void check(std::string_view text) const;
   std::string_view take();
   bool refill();
 
+  std::string where_;
   RegularFile* file_ = nullptr;  // null: all of the text is in window_
   std::vector<char> buffer_;
   std::string_view window_;                 // what has been read and not been taken

@@ -145,7 +145,8 @@ void cast_rays(const Scene& scene) {
 
 void check_message(const std::string& message) {
   const std::size_t what = message.find(": "), remedy = message.rfind("; ");
-  require(what != std::string::npos && remedy != std::string::npos && what < remedy, message.c_str());
+  require(what != std::string::npos && remedy != std::string::npos && what < remedy,
+          ("an error of the form where: what; what to do, not " + message).c_str());
 }
 
 void load_and_check(const fs::path& path) {

@@ -65,5 +65,10 @@ TEST(GltfJson, WholeNumbersAreWholeAndInRange) {
   EXPECT_TRUE(light["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"].is_number_float());
 }
 
+TEST_F(LoadTest, GltfNamesHaveNoCharacterZero) {
+  expect_error([&] { load_gltf(R"({"asset":{"version":"2.0"},"nodes":[{"name":"a\u0000b"}]})"); },
+               {"'nodes[0].name' has a character 0; correct the file"});
+}
+
 }  // namespace
 }  // namespace twopass

@@ -19,7 +19,8 @@ class MitsubaShapeOrder : public LoadTest {
   }
 };
 
-constexpr std::string_view triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\nl 1 2\n";
+constexpr std::string_view triangle =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\nl 1 2\n";
 
 TEST_F(MitsubaShapeOrder, TheFirstErrorIsTheFirstInTheFile) {
   write("a.obj", triangle);
@@ -58,8 +59,9 @@ TEST_F(MitsubaShapeOrder, ShapesAndNotesComeInTheOrderOfTheFile) {
 TEST_F(MitsubaShapeOrder, AFileThatSeveralShapesNameIsReadOnce) {
   write("a.obj", triangle);
   const std::string as_stored = "<boolean name='flip_tex_coords' value='false'/>";
-  const LoadedScene loaded = read(obj("a.obj", translate(1)) + obj("a.obj", as_stored) + obj("a.obj", translate(2)) +
-                                  obj("a.obj", as_stored + translate(3)) + obj("a.obj"));
+  const LoadedScene loaded =
+      read(obj("a.obj", translate(1)) + obj("a.obj", as_stored) + obj("a.obj", translate(2)) +
+           obj("a.obj", as_stored + translate(3)) + obj("a.obj"));
   ASSERT_EQ(loaded.scene.shapes.size(), 5u);
   const float x[] = {1, 0, 2, 3, 0}, v[] = {1, 0, 1, 0, 1};
   for (std::size_t i = 0; i < 5; ++i) {

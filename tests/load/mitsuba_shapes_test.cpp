@@ -285,6 +285,42 @@ TEST_F(MitsubaShapes, ObjIgnoresMaterialsAndGroups) {
   EXPECT_TRUE(loaded.notes.empty());
 }
 
+TEST_F(MitsubaShapes, LargeMeshesOfOneFileAreStoredOnce) {
+  std::string strip;
+  for (int i = 0; i < 302; ++i)
+    strip += "v " + std::to_string(i) + ' ' + std::to_string(i % 2) + ' ' + std::to_string(i % 7) + '\n';
+  for (int i = 1; i <= 300; ++i)
+    strip += "f " + std::to_string(i) + ' ' + std::to_string(i + 1) + ' ' + std::to_string(i + 2) + '\n';
+  write("strip.obj", strip);
+  const auto shape = [](const std::string& transform, const std::string& more = "") {
+    return "<shape type='obj'><string name='filename' value='strip.obj'/><transform name='to_world'>" +
+           transform + "</transform>" + more + "</shape>";
+  };
+  const std::vector<std::string> transforms{"<translate x='1'/>",
+                                            "<rotate y='1' angle='30'/><scale value='2'/>", "<scale x='-1'/>",
+                                            "<scale x='2'/>"};
+  std::string all;
+  for (const std::string& transform : transforms) all += shape(transform);
+  all += shape("", "<emitter type='area'/>");
+  all += "<shape type='shapegroup' id='g'>" + shape("") + shape("") +
+         "</shape><shape type='instance'><ref id='g'/></shape>";
+  const LoadedScene loaded = load_xml("<scene version='3.0.0'>" + all + "</scene>");
+  ASSERT_EQ(loaded.scene.shapes.size(), 7u);
+  std::vector<const Mesh*> meshes;
+  for (const Shape& s : loaded.scene.shapes) meshes.push_back(mesh_of(s.geometry));
+  EXPECT_EQ(meshes[0], meshes[1]);
+  for (std::size_t s = 2; s < 5; ++s)  // mirrored, stretched, a lamp
+    EXPECT_TRUE(std::holds_alternative<Mesh>(loaded.scene.shapes[s].geometry)) << s;
+  for (std::size_t s = 0; s < transforms.size(); ++s) {
+    const LoadedScene alone = load_xml("<scene version='3.0.0'>" + shape(transforms[s]) + "</scene>");
+    for (std::uint32_t t = 0; t < 300; ++t) {
+      const auto a = corners(loaded.scene.shapes[s].geometry, t),
+                 b = corners(alone.scene.shapes[0].geometry, t);
+      for (std::size_t k = 0; k < 3; ++k) expect_near(a[k], b[k], 1e-3f);
+    }
+  }
+}
+
 TEST_F(MitsubaShapes, ObjErrorsNameTheirFiles) {
   write("bad.obj", "v 0 0 0\nf 1 2 3\n");
   expect_error([&] { shape("<shape type='obj'><string name='filename' value='bad.obj'/></shape>"); },

@@ -178,5 +178,16 @@ TEST_F(PlyFile, TruncatedAnywhere) {
     EXPECT_NE(message_of([&] { read(whole.substr(0, size)); }), "") << size;
 }
 
+TEST_F(PlyFile, ZeroBytesInTheHeaderAreRefused) {
+  using namespace std::string_literals;
+  const auto path = write("mesh.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty uch\0ar x\n"s);
+  expect_error(
+      [&] {
+        Notes notes;
+        read_ply(path, notes);
+      },
+      {"mesh.ply:4", "a zero byte in the header; the file is damaged"});
+}
+
 }  // namespace
 }  // namespace twopass

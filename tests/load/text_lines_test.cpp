@@ -97,5 +97,15 @@ TEST(Words, TakeFloatsAndNothingElse) {
   EXPECT_FALSE(words.take_float(value));
 }
 
+TEST(LineReader, TextHasNoZeroBytes) {
+  using namespace std::string_literals;
+  EXPECT_THROW(LineReader("v 0\0 0"s, "a.obj"), Error);
+}
+
+TEST_F(LoadTest, ZeroBytesFarInAreFoundToo) {
+  const std::string text = std::string(300000, '\n') + std::string("v 0 0\0 0", 8);
+  expect_error([&] { load_obj(text); }, {"scene.obj: it holds zero bytes: this is no text; check"});
+}
+
 }  // namespace
 }  // namespace twopass
