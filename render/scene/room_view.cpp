@@ -14,7 +14,10 @@ constexpr float eye_height = 0.55f;     // over the height of the room
 constexpr int grid = 12;                // places along x and z
 constexpr int directions = 64;          // to look around
 constexpr float mostly = 0.6f;          // of what is seen
-constexpr float clearance = 0.02f;      // of the diagonal: nothing may be nearer to the camera
+// Large, so that little of its light is noise: radius over the narrow side of the room.
+constexpr float lamp_size = 0.2f;
+constexpr float mean_radiance = 0.3f;  // of walls of albedo 1/2
+constexpr float clearance = 0.02f;     // of the diagonal: nothing may be nearer to the camera
 
 /// What some rays met.
 struct Sight {
@@ -129,14 +132,14 @@ class Surroundings {
     const Hit ceiling = caster_.intersect({below, {0.0f, 1.0f, 0.0f}});
     const float height = ceiling.escaped() ? bounds_.max.y - below.y : ceiling.t;
     const V3f size = bounds_.size();
-    const float radius = std::min(0.06f * std::min(size.x, size.z), 0.5f * height);
+    const float radius = std::min(lamp_size * std::min(size.x, size.z), 0.5f * height);
     view.lamp.center = below + V3f(0.0f, 0.95f * height, 0.0f);
     view.lamp.x = V3f(radius, 0.0f, 0.0f);
     view.lamp.y = V3f(0.0f, 0.0f, radius);  // x cross y points down
     // Half of the light is lost at each reflection: with power L pi^2 r^2 over an area S of albedo 1/2,
     // radiance is power / (pi S).
     const float area = 2.0f * (size.x * size.y + size.y * size.z + size.z * size.x);
-    view.radiance = 0.5f * area / (pi_f * radius * radius);
+    view.radiance = mean_radiance * area / (pi_f * radius * radius);
   }
 
   std::span<const Shape> shapes_;

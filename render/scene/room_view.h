@@ -14,7 +14,7 @@ namespace twopass {
 struct RoomView {
   CameraDescription camera;  ///< inside of it, at eye height, up +y: where the view to the middle is deepest
   Disk lamp;                 ///< below the ceiling, in front of the camera; shines down
-  float radiance = 0.0f;     ///< of the lamp, W/(m2 sr): walls of albedo 1/2 have a radiance of about 1/2
+  float radiance = 0.0f;     ///< of the lamp, W/(m2 sr): walls of albedo 1/2 have a mean radiance of about 0.3
 };
 
 /// The view of a room, or nothing where the shapes are none: where places at eye height are closed in on all
