@@ -8,6 +8,7 @@
 #include "radiosity/scene_fingerprint.h"
 #include "render/core/deflate.h"
 #include "render/core/error.h"
+#include "render/core/sampler.h"
 #include "render/image/atomic_file.h"
 #include "render/image/regular_file.h"
 
@@ -189,6 +190,20 @@ bool all_finite(const std::vector<float>& numbers) {
 }
 
 }  // namespace
+
+std::uint64_t solution_fingerprint(const Solution& solution) {
+  Writer write;
+  const ElementMesh::Saved mesh = solution.mesh().save();
+  visit_mesh(mesh, write);
+  write(as_numbers(solution.irradiances()));
+  std::uint64_t state = write.bytes().size();
+  for (std::size_t i = 0; i < write.bytes().size(); i += sizeof state) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, write.bytes().data() + i, std::min(sizeof word, write.bytes().size() - i));
+    state = hash_word(state ^ word) + i;
+  }
+  return state;
+}
 
 std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution,
                                          const std::vector<std::byte>& display) {

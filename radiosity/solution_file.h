@@ -19,6 +19,10 @@ void save_solution(const std::filesystem::path& path, const Scene& scene, const 
 /// another scene. REQUIRES: the scene outlives the solution.
 Solution load_solution(const std::filesystem::path& path, const Scene& scene);
 
+/// A number that tells solutions apart: a hash of every element's irradiance. The same for a solution that was saved
+/// and loaded.
+std::uint64_t solution_fingerprint(const Solution& solution);
+
 /// What a solution looks like, as binary glTF (glb_of), which takes no scene. Throws Error as load_solution
 /// does.
 std::vector<std::byte> display_of_solution(const std::filesystem::path& path);

@@ -1,6 +1,7 @@
 #include "render/console.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <unistd.h>
@@ -43,30 +44,45 @@ Progress::~Progress() {
   if (terminal_ && drawn_) std::fprintf(stderr, "\r\033[K");
 }
 
-void Progress::update(double fraction) {
+void Progress::update(double fraction, const std::function<std::string()>& details) {
   if (silent_) return;
+  double none = -1.0;
+  if (first_ < 0.0) first_.compare_exchange_strong(none, fraction);
   const double seconds = stopwatch_.seconds();
   if (seconds < next_seconds_.load(std::memory_order_relaxed)) return;
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return;
   next_seconds_ = seconds + (terminal_ ? 0.1 : 1.0);
-  draw(std::clamp(fraction, 0.0, 1.0), seconds);
+  draw(std::clamp(fraction, 0.0, 1.0), seconds, details ? details() : std::string());
 }
 
-void Progress::draw(double fraction, double seconds) {
+std::string duration_text(double seconds) {
+  char text[48];
+  if (seconds < 99.5)
+    std::snprintf(text, sizeof text, "%.0f s", seconds);
+  else if (seconds < 5970.0)
+    std::snprintf(text, sizeof text, "%.0f min", seconds / 60.0);
+  else
+    std::snprintf(text, sizeof text, "%.0f h %.0f min", std::floor(std::round(seconds / 60.0) / 60.0),
+                  std::fmod(std::round(seconds / 60.0), 60.0));
+  return text;
+}
+
+void Progress::draw(double fraction, double seconds, const std::string& details) {
   const int percent = static_cast<int>(100.0 * fraction);
-  char left[48] = "";
-  if (fraction > 0.0) std::snprintf(left, sizeof left, "%.0f s left", seconds * (1.0 - fraction) / fraction);
+  std::string text;
+  if (fraction > first_) text = duration_text(seconds * (1.0 - fraction) / (fraction - first_)) + " left";
+  if (!details.empty()) text += (text.empty() ? "" : ", ") + details;
   if (terminal_) {
     constexpr int width = 30;
     const int filled = static_cast<int>(width * fraction);
     std::fprintf(stderr, "\r\033[K%s [%s%s] %3d %%  %s", label_.c_str(), std::string(filled, '#').c_str(),
-                 std::string(width - filled, '.').c_str(), percent, left);
+                 std::string(width - filled, '.').c_str(), percent, text.c_str());
     std::fflush(stderr);
     drawn_ = true;
   } else if (percent / 10 > last_tenth_) {
     last_tenth_ = percent / 10;
-    std::fprintf(stderr, "%s %d %%, %s\n", label_.c_str(), percent, left);
+    std::fprintf(stderr, "%s %d %%, %s\n", label_.c_str(), percent, text.c_str());
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -29,6 +30,9 @@ class Console {
   Verbosity verbosity_;
 };
 
+/// "1 h 5 min", "12 s": a duration for people.
+std::string duration_text(double seconds);
+
 /// A bar with the time left on a terminal, a plain line now and then elsewhere, nothing when quiet.
 class Progress {
  public:
@@ -37,17 +41,19 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// `fraction` of the work is done, in [0, 1]. Cheap; any thread may call it at any time.
-  void update(double fraction);
+  /// `fraction` of the work is done, in [0, 1]. `details` is asked for more only when something is drawn.
+  /// Cheap; any thread may call it at any time.
+  void update(double fraction, const std::function<std::string()>& details = {});
 
  private:
-  void draw(double fraction, double seconds);
+  void draw(double fraction, double seconds, const std::string& details);
 
   std::string label_;
   bool silent_, terminal_;
   Stopwatch stopwatch_;
   std::mutex mutex_;
   std::atomic<double> next_seconds_;
+  std::atomic<double> first_{-1.0};  // fraction that was done before: of a render that goes on
   int last_tenth_ = 0;
   bool drawn_ = false;
 };

@@ -12,11 +12,14 @@ namespace {
 
 constexpr int exit_error = 1, exit_usage = 2;
 
-void on_interrupt(int) {
+void on_interrupt(int signal) {
   // A second Ctrl-C means it: give the signal its usual effect again.
+  twopass::interrupt_signal() = signal;
   twopass::interrupt_requested() = true;
-  std::signal(SIGINT, SIG_DFL);
+  std::signal(signal, SIG_DFL);
 }
+
+void on_write_request(int) { twopass::write_requested() = true; }
 
 // The names that would have worked in place of one that nobody knows.
 void print_known_names(const CLI::App& program) {
@@ -50,6 +53,7 @@ int main(int argc, char** argv) {
   twopass::add_compare_command(program, global, action);
   twopass::add_info_command(program, global, action);
   twopass::add_view_command(program, global, action);
+  twopass::add_merge_command(program, global, action);
 
   try {
     program.parse(argc, argv);
@@ -65,11 +69,14 @@ int main(int argc, char** argv) {
   }
 
   std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  std::signal(SIGUSR1, on_write_request);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error like a full disk
   try {
     return action();
   } catch (const twopass::Interrupted&) {
     std::fprintf(stderr, "interrupted before there was anything to write\n");
-    return twopass::exit_interrupted;
+    return twopass::exit_interrupted();
   } catch (const twopass::Error& error) {
     std::fprintf(stderr, "%s\n", twopass::printable(error.what()).c_str());
   } catch (const std::bad_alloc&) {

@@ -27,10 +27,11 @@ class PixelGroup {
     const V2i pixel = V2i(x, y) + job_.corner;
     const auto stream = static_cast<std::uint32_t>(pixel.y) * static_cast<std::uint32_t>(job_.camera.width()) +
                         static_cast<std::uint32_t>(pixel.x);
-    const auto strata = static_cast<std::uint32_t>(job_.goal.samples_per_pixel);
+    const auto strata =
+        job_.all_samples > 0 ? job_.all_samples : static_cast<std::uint32_t>(job_.goal.samples_per_pixel);
     pixels_.push_back({x, y, range.end - range.begin});
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      Sampler sampler(job_.seed, stream, i, job_.sampler, strata);
+      Sampler sampler(job_.seed, stream, job_.first_sample + i, job_.sampler, strata);
       // The filter is sampled instead of splatted, so that a sample lands in one pixel (Ernst et al. 2006).
       const FilterSample at = sample_filter(job_.filter, sampler.next_2d());
       const V2f lens = job_.camera.has_lens() ? sampler.next_2d() : V2f(0.0f, 0.0f);
@@ -92,6 +93,8 @@ void render_tile(const RenderJob& job, Film& film, int tile, const SamplePlan& p
   tally.shadow_rays += counts.shadow_rays;
   tally.escaped_rays += counts.escaped_rays;
   tally.non_finite += non_finite;
+  if (job.tile_done)
+    job.tile_done({x0, y0}, {std::min(tile_size, film.width() - x0), std::min(tile_size, film.height() - y0)});
 }
 
 // Pixels that had fewer samples than the picture had on average.
@@ -118,50 +121,130 @@ double fraction_done(const SamplingGoal& goal, const SamplePlan& plan, double in
   return std::min(fraction, 1.0);
 }
 
-}  // namespace
-
-RenderOutcome render_image(const RenderJob& job, Film& film) {
-  const Stopwatch stopwatch;
-  const int tiles =
-      ((film.width() + tile_size - 1) / tile_size) * ((film.height() + tile_size - 1) / tile_size);
-  Tally tally;
-  RenderOutcome outcome{.counts = {}, .non_finite_samples = 0, .stop_reason = "samples"};
-  SamplePlan plan(job.goal, film);
-
-  for (;;) {
-    if (!plan.next()) {
-      outcome.stop_reason = plan.stop_reason();
-      break;
+// What progress says of the error, looked at only when there are twice the samples: that takes as long as some.
+class KnownError {
+ public:
+  double update(const SamplePlan& plan, const Film& film) {
+    if (std::isfinite(plan.error())) return error_ = plan.error();
+    if (plan.mean_before() >= next_) {
+      error_ = film.relative_error();
+      next_ = 2.0 * plan.mean_before();
     }
-    std::atomic<int> tiles_done{0};
-    std::atomic<bool> out_of_time{false};
-    parallel_for(static_cast<std::size_t>(tiles), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t tile = begin; tile < end; ++tile) {
-        if (interrupt_requested()) return;
-        const double seconds = stopwatch.seconds();
-        // The first pass is finished in any case: a picture with holes helps nobody.
-        if (plan.mean_before() > 0.0 && job.goal.seconds > 0.0 && seconds >= job.goal.seconds) {
-          out_of_time = true;
-          return;
-        }
-        render_tile(job, film, static_cast<int>(tile), plan, tally);
-        const double in_pass = static_cast<double>(++tiles_done) / tiles;
-        if (job.report_progress) job.report_progress(fraction_done(job.goal, plan, in_pass, seconds));
-      }
-    });
-    if (interrupt_requested()) {
-      outcome.stop_reason = "interrupted";
-      break;
-    }
-    if (out_of_time || (job.goal.seconds > 0.0 && stopwatch.seconds() >= job.goal.seconds)) {
-      outcome.stop_reason = "time";
-      break;
+    return error_;
+  }
+
+ private:
+  double error_ = std::numeric_limits<double>::infinity(), next_ = 2.0;
+};
+
+// Why the tiles of a pass were left.
+enum class Leave { finished, interrupted, out_of_time, pause };
+
+class ImageRender {
+ public:
+  ImageRender(const RenderJob& job, Film& film)
+      : job_(job),
+        film_(film),
+        tiles_(((film.width() + tile_size - 1) / tile_size) * ((film.height() + tile_size - 1) / tile_size)),
+        plan_(job.resumed != nullptr ? SamplePlan(job.goal, film, job.resumed->plan)
+                                     : SamplePlan(job.goal, film)) {
+    if (job.resumed == nullptr) return;
+    const RenderCosts& costs = job.resumed->costs;
+    tally_.rays = costs.counts.rays;
+    tally_.shadow_rays = costs.counts.shadow_rays;
+    tally_.escaped_rays = costs.counts.escaped_rays;
+    tally_.non_finite = costs.non_finite_samples;
+    rays_before_ = costs.counts.rays + costs.counts.shadow_rays;
+  }
+
+  RenderOutcome run() {
+    const std::string reason = passes();
+    const RenderCosts all = costs();
+    return {.counts = all.counts,
+            .non_finite_samples = all.non_finite_samples,
+            .stop_reason = reason,
+            .pixels_stopped_early = share_stopped_early(film_),
+            .plan = plan_.state(in_pass_)};
+  }
+
+ private:
+  // Renders until a goal is met; the result is the reason.
+  std::string passes() {
+    in_pass_ = job_.resumed != nullptr && job_.resumed->plan.in_pass;
+    for (;;) {
+      if (!in_pass_ && !plan_.next()) return plan_.stop_reason();
+      in_pass_ = true;
+      ++pass_;
+      if (job_.report_progress) error_ = known_error_.update(plan_, film_);
+      std::vector<std::uint8_t> done(static_cast<std::size_t>(tiles_), 0);
+      Leave leave = Leave::finished;
+      while ((leave = render_tiles(done)) == Leave::pause) job_.at_pause({plan_.state(true), costs()});
+      if (leave == Leave::interrupted) return "interrupted";
+      if (leave == Leave::out_of_time) return "time";
+      in_pass_ = false;
+      if (job_.goal.seconds > 0.0 && stopwatch_.seconds() >= job_.goal.seconds) return "time";
     }
   }
-  outcome.counts = {tally.rays, tally.shadow_rays, tally.escaped_rays};
-  outcome.non_finite_samples = tally.non_finite;
-  outcome.pixels_stopped_early = share_stopped_early(film);
-  return outcome;
-}
+
+  // Those tiles of the pass that are not done, until there is a reason to leave.
+  Leave render_tiles(std::vector<std::uint8_t>& done) {
+    std::atomic<Leave> leave{Leave::finished};
+    std::atomic<int> tiles_done{static_cast<int>(std::count(done.begin(), done.end(), 1))};
+    parallel_for(done.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tile = begin; tile < end; ++tile) {
+        if (done[tile] != 0) continue;
+        if (leave != Leave::finished) return;
+        if (const Leave reason = reason_to_leave(); reason != Leave::finished) {
+          leave = reason;
+          return;
+        }
+        render_tile(job_, film_, static_cast<int>(tile), plan_, tally_);
+        done[tile] = 1;
+        report(static_cast<double>(++tiles_done) / tiles_);
+      }
+    });
+    return leave;
+  }
+
+  [[nodiscard]] Leave reason_to_leave() const {
+    if (interrupt_requested()) return Leave::interrupted;
+    // The first pass is finished in any case: a picture with holes helps nobody.
+    if (plan_.mean_before() > 0.0 && job_.goal.seconds > 0.0 && stopwatch_.seconds() >= job_.goal.seconds)
+      return Leave::out_of_time;
+    return job_.wants_pause && job_.wants_pause() ? Leave::pause : Leave::finished;
+  }
+
+  void report(double in_pass) const {
+    if (!job_.report_progress) return;
+    const double seconds = stopwatch_.seconds();
+    const double mean = plan_.mean_before() + in_pass * (plan_.mean_after() - plan_.mean_before());
+    job_.report_progress(
+        {.fraction = fraction_done(job_.goal, plan_, in_pass, seconds),
+         .pass = pass_,
+         .samples_per_pixel = mean,
+         .error = error_,
+         .rays_per_second = static_cast<double>(tally_.rays + tally_.shadow_rays - rays_before_) / seconds});
+  }
+
+  [[nodiscard]] RenderCosts costs() const {
+    return {{tally_.rays, tally_.shadow_rays, tally_.escaped_rays}, tally_.non_finite};
+  }
+
+  const RenderJob& job_;
+  Film& film_;
+  int tiles_;
+  const Stopwatch stopwatch_;
+  Tally tally_;
+  std::uint64_t rays_before_ = 0;
+  SamplePlan plan_;
+  KnownError known_error_;
+  double error_ = std::numeric_limits<double>::infinity();
+  int pass_ = 0;
+  bool in_pass_ = false;
+};
+
+}  // namespace
+
+RenderOutcome render_image(const RenderJob& job, Film& film) { return ImageRender(job, film).run(); }
 
 }  // namespace twopass

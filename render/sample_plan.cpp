@@ -78,6 +78,19 @@ SampleShares::SampleShares(const Film& pilot)
   }
 }
 
+SampleShares::SampleShares(std::vector<std::uint8_t> pixel_levels, std::span<const double> variances,
+                           std::uint32_t pilot_samples)
+    : pilot_samples_(pilot_samples), levels_(std::move(pixel_levels)) {
+  for (const std::uint8_t level : levels_) bins_[level].pixels += 1.0;
+  for (std::size_t level = 0; level < bins_.size(); ++level) bins_[level].variance = variances[level];
+}
+
+std::vector<double> SampleShares::variances() const {
+  std::vector<double> result;
+  for (const Bin& bin : bins_) result.push_back(bin.variance);
+  return result;
+}
+
 std::uint32_t SampleShares::samples_of(int level, int step) const {
   const int above = std::max(level + step - 2 * most_octaves * octave, 0);
   std::uint64_t samples = std::uint64_t{pilot_samples_} << std::min(above / octave, 32);
@@ -111,6 +124,32 @@ int SampleShares::step_for(double relmse, int from, double most) const {
   int step = from;
   while (step < last && expected_relmse(step) > relmse && total(step + 1) <= most) ++step;
   return step;
+}
+
+SamplePlan::SamplePlan(const SamplingGoal& goal, const Film& film, const PlanState& state)
+    : goal_(goal),
+      film_(film),
+      step_(state.step),
+      pilot_samples_(state.pilot_samples),
+      before_(state.before),
+      after_(state.after),
+      error_(state.error) {
+  if (!state.levels.empty()) shares_.emplace_back(state.levels, state.variances, state.shares_of);
+}
+
+PlanState SamplePlan::state(bool in_pass) const {
+  PlanState state{.in_pass = in_pass,
+                  .before = before_,
+                  .after = after_,
+                  .error = error_,
+                  .step = step_,
+                  .pilot_samples = pilot_samples_};
+  if (!shares_.empty()) {
+    state.levels = shares_.front().pixel_levels();
+    state.variances = shares_.front().variances();
+    state.shares_of = shares_.front().pilot_samples();
+  }
+  return state;
 }
 
 double SamplePlan::pixels() const { return static_cast<double>(film_.width()) * film_.height(); }
@@ -165,10 +204,11 @@ bool SamplePlan::next_shared() {
 }
 
 SampleRange SamplePlan::range(int x, int y) const {
-  if (shares_.empty()) return {static_cast<std::uint32_t>(before_), static_cast<std::uint32_t>(after_)};
+  const auto begin = static_cast<std::uint32_t>(film_.pixel(x, y).samples);
+  if (shares_.empty()) return {begin, static_cast<std::uint32_t>(after_)};
   const std::size_t i =
       static_cast<std::size_t>(y) * static_cast<std::size_t>(film_.width()) + static_cast<std::size_t>(x);
-  return {static_cast<std::uint32_t>(film_.pixel(x, y).samples), shares_.front().samples(i, step_)};
+  return {begin, shares_.front().samples(i, step_)};
 }
 
 }  // namespace twopass

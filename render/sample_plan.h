@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +37,16 @@ class SampleShares {
  public:
   /// REQUIRES: every pixel of the pilot has had the same number of samples, in at least two batches.
   explicit SampleShares(const Film& pilot);
+  /// The same again. REQUIRES: what levels(), variances() and pilot_samples() were.
+  SampleShares(std::vector<std::uint8_t> levels, std::span<const double> variances, std::uint32_t pilot_samples);
+
+  /// One for each pixel.
+  [[nodiscard]] const std::vector<std::uint8_t>& pixel_levels() const { return levels_; }
+  /// For each level, the sum of the relative variances of its pixels.
+  [[nodiscard]] std::vector<double> variances() const;
+  [[nodiscard]] std::uint32_t pilot_samples() const { return pilot_samples_; }
+  /// How many levels there are.
+  static constexpr std::size_t level_count() { return levels; }
 
   /// The samples that pixel i has at a step: those of the pilot times a power of two or one and a half, for
   /// Sobol points are best there. From each step to the next some of the pixels, evenly over the range of
@@ -61,6 +74,16 @@ class SampleShares {
   std::array<Bin, levels> bins_;
 };
 
+/// Where a plan stands, for it to be taken up again.
+struct PlanState {
+  bool in_pass = false;  ///< a pass has been planned and may not be finished
+  double before = 0.0, after = 0.0, error = std::numeric_limits<double>::infinity();
+  int step = 0, pilot_samples = 16;
+  std::vector<std::uint8_t> levels{};  ///< of SampleShares; none before the end of the pilot
+  std::vector<double> variances{};     ///< the same
+  std::uint32_t shares_of = 0;         ///< samples of each pixel in the pilot that the shares are of
+};
+
 /// The passes of a render. Without a goal of noise all pixels are sampled alike; with one, by SampleShares,
 /// after a pilot that has at least an eighth of the samples that the picture seems to need, if that seems to
 /// gain a twentieth.
@@ -68,6 +91,12 @@ class SamplePlan {
  public:
   /// REQUIRES: goal and film outlive the plan; the film is empty, and filled by what the plan says alone.
   SamplePlan(const SamplingGoal& goal, const Film& film) : goal_(goal), film_(film) {}
+  /// Goes on where another plan has stood. REQUIRES: the film is as that plan left it, but the pass that it was in
+  /// may have been rendered only for some of the pixels.
+  SamplePlan(const SamplingGoal& goal, const Film& film, const PlanState& state);
+
+  /// REQUIRES: of a pass that was planned, `in_pass` tells whether it is still to be finished.
+  [[nodiscard]] PlanState state(bool in_pass) const;
 
   /// Plans the next pass, after the last one has been rendered. False: a goal is met.
   bool next();

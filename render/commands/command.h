@@ -21,9 +21,6 @@ struct GlobalOptions {
   }
 };
 
-/// The exit code after Ctrl-C, as shells expect it: 128 and the number of the signal.
-inline constexpr int exit_interrupted = 130;
-
 /// Runs the chosen command; the result is the exit code. Throws Error.
 using Action = std::function<int()>;
 
@@ -35,5 +32,6 @@ void add_compare_command(CLI::App& program, const GlobalOptions& global, Action&
 void add_form_factors_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_info_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_view_command(CLI::App& program, const GlobalOptions& global, Action& action);
+void add_merge_command(CLI::App& program, const GlobalOptions& global, Action& action);
 
 }  // namespace twopass

@@ -4,12 +4,14 @@
 #include "radiosity/guide.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
+#include "render/commands/long_render.h"
 #include "render/commands/radiosity_options.h"
 #include "render/commands/scene_options.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/image/atomic_file.h"
 #include "render/image/picture.h"
+#include "render/render_identity.h"
 #include "render/statistics.h"
 #include "render/version.h"
 
@@ -32,6 +34,7 @@ struct RenderOptions {
   std::string solution_file;
   DisplayOptions display;
   bool certificate = true;
+  LongRenderOptions parts;
 };
 
 // The settings of the file with the command line's put over them.
@@ -225,13 +228,16 @@ std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* s
   return field;
 }
 
+bool wants_half(const RenderOptions& options, const FileSettings& file) {
+  return options.exr_type.empty() ? file.half.value_or(true) : options.exr_type == "half";
+}
+
 ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
                        const RenderStatistics& s) {
   ExrOptions exr;
   exr.data_offset = settings.window.corner;
   exr.display_size = V2i(settings.width, settings.height);
-  const bool half = options.exr_type.empty() ? file.half.value_or(true) : options.exr_type == "half";
-  exr.pixel_type = half ? PixelType::half : PixelType::float_;
+  exr.pixel_type = wants_half(options, file) ? PixelType::half : PixelType::float_;
   const double pixels = static_cast<double>(s.width) * s.height;
   exr.metadata = {{"twopass/version", std::string(program_version)},
                   {"twopass/scene", s.scene_file},
@@ -261,10 +267,9 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
   if (s.bias)
     std::printf("bias of the picture's mean: %+.2f %% +- %.2f %% (95 %% confidence, %.2g samples)\n",
                 100.0 * s.bias->mean, 100.0 * s.bias->ci95, static_cast<double>(s.bias->samples));
-  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16). Nobody sees noise
-  // below a thousandth.
-  if (std::isfinite(s.relative_error) &&
-      s.relative_error_bound > std::max(1e-3, 1.22 * s.relative_error)) {
+  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16). Nobody sees
+  // noise below a thousandth.
+  if (std::isfinite(s.relative_error) && s.relative_error_bound > std::max(1e-3, 1.22 * s.relative_error)) {
     char text[200];
     std::snprintf(
         text, sizeof text,
@@ -282,6 +287,15 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
                 static_cast<unsigned long long>(s.outcome.non_finite_samples));
 }
 
+// "pass 3, 24 samples a pixel, noise 0.034, 5.1 million rays/s"
+std::string progress_text(const RenderProgress& at) {
+  char noise[32] = "", text[160];
+  if (std::isfinite(at.error)) std::snprintf(noise, sizeof noise, ", noise %.2g", at.error);
+  std::snprintf(text, sizeof text, "pass %d, %.4g samples a pixel%s, %.3g million rays/s", at.pass,
+                at.samples_per_pixel, noise, 1e-6 * at.rays_per_second);
+  return text;
+}
+
 int render(const RenderOptions& options, const GlobalOptions& global) {
   const Console console = global.console();
   const Stopwatch total;
@@ -293,11 +307,13 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     if (is_display_referred(output) && !display) display.emplace(options.display);
   }
   if (!options.stats_file.empty()) check_writable(options.stats_file);
+  LongRender parts(options.parts, console);
   const ThreadLimit limit(global.threads);
 
   Stopwatch stopwatch;
   LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera);
-  const Settings settings = settle(options, loaded.settings, console);
+  Settings settings = settle(options, loaded.settings, console);
+  parts.divide(settings.goal);
   const SceneNeeds needs = needs_of(loaded.scene);
   const Plan plan = plan_render(needs, settings.integrator, settings.limits);
   if (!needs.light)
@@ -320,26 +336,78 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   stopwatch = Stopwatch();
   std::optional<Guide> guide;
   if (solution && is_guided(settings.integrator)) guide.emplace(scene, *solution);
+  if (const double bytes = Film::bytes_to_render(settings.window.size.x, settings.window.size.y); bytes > 1e9)
+    console.note("the picture needs " + std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) +
+                 " GB of memory, however many samples it has");
   Film film(settings.window.size.x, settings.window.size.y);
   const std::unique_ptr<Integrator> integrator =
       make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, field ? &*field : nullptr,
                       settings.limits, guide ? &*guide : nullptr);
   const Camera camera(camera_description, settings.width, settings.height);
-  const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
-                                                          settings.goal.samples_per_pixel)
-                                            : RayCone{};
+  const RayCone cone = scene.has_textures()
+                           ? sample_cone(camera, settings.width, settings.height, parts.footprint_samples())
+                           : RayCone{};
+  parts.begin(identity_of({.scene = scene,
+                           .solution = solution ? &*solution : nullptr,
+                           .integrator = settings.integrator,
+                           .limits = settings.limits,
+                           .size = {settings.width, settings.height},
+                           .window = settings.window,
+                           .filter = loaded.settings.filter,
+                           .sampler = settings.sampler,
+                           .strata = parts.all_samples(),
+                           .seed = settings.seed,
+                           .camera = camera_description,
+                           .cone = cone}),
+              wants_half(options, loaded.settings), film);
+  s.scene_file = options.scene.file;
+  s.count(scene);
+  s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);
+  s.clamped = clamp_text(settings.limits);
+  s.sampler = name_of_value<SamplerKind>(sampler_names, settings.sampler);
+  s.width = settings.window.size.x;
+  s.height = settings.window.size.y;
+  s.threads = limit.threads();
+  s.seed = settings.seed;
+  s.outcome.stop_reason = "not yet";
+
+  const std::function<ExrOptions(const RenderState&)> options_of_picture = [&](const RenderState& state) {
+    s.samples = film.samples();
+    s.outcome.counts = state.costs.counts;
+    return exr_options(options, loaded.settings, settings, s);
+  };
+  // All of them, even when one of them fails: then throws its Error.
+  const std::function<void(const RenderState&)> write_pictures = [&](const RenderState& state) {
+    const ExrOptions exr = options_of_picture(state);
+    const Image image = film.resolve();
+    std::exception_ptr failure;
+    for (const std::string& output : options.outputs) try {
+        if (parts.is_slice() && !is_display_referred(output))
+          parts.save(output, film, state, exr);
+        else
+          write_picture(output, image, display ? &*display : nullptr, exr);
+      } catch (const Error&) {
+        if (!failure) failure = std::current_exception();
+      }
+    if (failure) std::rethrow_exception(failure);
+  };
   {
     Progress progress(console, "rendering");
-    s.outcome = render_image({.integrator = *integrator,
-                              .camera = camera,
-                              .filter = loaded.settings.filter,
-                              .goal = settings.goal,
-                              .seed = settings.seed,
-                              .sampler = settings.sampler,
-                              .cone = cone,
-                              .report_progress = [&](double fraction) { progress.update(fraction); },
-                              .corner = settings.window.corner},
-                             film);
+    RenderJob job{.integrator = *integrator,
+                  .camera = camera,
+                  .filter = loaded.settings.filter,
+                  .goal = settings.goal,
+                  .seed = settings.seed,
+                  .sampler = settings.sampler,
+                  .cone = cone,
+                  .corner = settings.window.corner};
+    if (console.verbosity() != Verbosity::quiet)
+      job.report_progress = [&](const RenderProgress& at) {
+        progress.update(at.fraction, [&] { return progress_text(at); });
+      };
+    parts.prepare(job, film, options.outputs.front(), write_pictures, options_of_picture);
+    s.outcome = render_image(job, film);
+    parts.end_preview();
   }
   if (solution && options.certificate && settings.integrator == IntegratorKind::two_pass)
     s.bias =
@@ -347,35 +415,25 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.render = stopwatch.elapsed();
   note_tiled_textures(console, loaded.tiled_textures);
 
-  s.scene_file = options.scene.file;
-  s.count(scene);
   s.skipped = plan.skipped;
   s.skipped.insert(s.skipped.end(), loaded.left_out.begin(), loaded.left_out.end());
-  s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);
-  s.clamped = clamp_text(settings.limits);
-  s.sampler = name_of_value<SamplerKind>(sampler_names, settings.sampler);
-  s.width = settings.window.size.x;
-  s.height = settings.window.size.y;
   s.samples = film.samples();
   const NoiseEstimate noise = film.noise();
   s.relative_error = std::sqrt(noise.relmse);
   s.relative_error_bound = noise.upper_bound();
-  s.threads = limit.threads();
-  s.seed = settings.seed;
 
   if (s.samples == 0) throw Interrupted{};  // an older picture is better than an empty one
   stopwatch = Stopwatch();
-  const Image image = film.resolve();
-  for (const std::string& output : options.outputs)
-    write_picture(output, image, display ? &*display : nullptr,
-                  exr_options(options, loaded.settings, settings, s));
+  const RenderState state{s.outcome.plan, {s.outcome.counts, s.outcome.non_finite_samples}};
+  parts.finish(film, state, options_of_picture(state));
+  write_pictures(state);
   s.write = stopwatch.elapsed();
   s.total = total.elapsed();
   if (!options.stats_file.empty()) write_statistics(options.stats_file, s);
   report(options, s, console);
   if (s.outcome.stop_reason != "interrupted") return 0;
   console.note("interrupted: wrote what there was");
-  return exit_interrupted;
+  return exit_interrupted();
 }
 
 }  // namespace
@@ -436,6 +494,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
   command.add_flag("!--no-certificate", options->certificate,
                    "Do not measure the bias of twopass, which costs about 5 % of the rays");
   command.add_option("--stats", options->stats_file, "Write statistics as JSON");
+  options->parts.add_to(command);
   command.callback(
       [options, &global, &action] { action = [options, &global] { return render(*options, global); }; });
 }

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -22,16 +23,16 @@ const char* remedy_for(int error) {
   switch (error) {
     case ENOSPC:
     case EDQUOT:
-      return "free some space there or choose another folder with -o";
+      return "free some space there or choose another folder";
     case EACCES:
     case EPERM:
-      return "change the permissions or choose another folder with -o";
+      return "change the permissions or choose another folder";
     case EROFS:
       return "choose a folder that is not read-only";
     case ENAMETOOLONG:
       return "choose a shorter name";
     default:
-      return "check the disk or choose another folder with -o";
+      return "check the disk or choose another folder";
   }
 }
 
@@ -90,14 +91,20 @@ void write_all(int descriptor, std::span<const std::byte> bytes, const fs::path&
   }
 }
 
-void write_special(const fs::path& path, std::span<const std::byte> bytes) {
-  const OpenFile file(path, O_WRONLY, 0, false);
-  if (file.descriptor() < 0) fail(path, "it cannot be opened for writing", errno);
-  write_all(file.descriptor(), bytes, path);
-}
-
 OpenFile create_temporary(const fs::path& target) {
   return {temporary_path_beside(target), O_WRONLY | O_CREAT | O_EXCL, 0666, true};
+}
+
+// Gives the file a second name, so that there is one under its first name at every moment; where the file
+// system has no second names, moves it.
+void keep_as(const fs::path& file, const fs::path& previous) {
+  const fs::path second = temporary_path_beside(previous);
+  const bool linked = ::link(file.c_str(), second.c_str()) == 0;
+  if (::rename(linked ? second.c_str() : file.c_str(), previous.c_str()) != 0) {
+    const int error = errno;
+    if (linked) ::unlink(second.c_str());
+    fail(previous, "the previous file cannot be kept under this name", error);
+  }
 }
 
 void check_no_folder(const fs::path& path) {
@@ -135,23 +142,77 @@ void check_writable(const fs::path& path) {
   if (probe.descriptor() < 0) fail(path, "no file can be created there", errno);
 }
 
-void write_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+struct AtomicWriter::Impl {
+  fs::path path, target;
+  bool special;
+  OpenFile file;
+  std::vector<std::byte> buffer{};
+  std::uint64_t flushed = 0;  // where in the file the buffer begins
+
+  explicit Impl(const fs::path& path_)
+      : path(path_),
+        target(target_of(path)),
+        special(is_special(path)),
+        file(special ? path : temporary_path_beside(target), special ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL,
+             0666, !special) {}
+
+  void flush() {
+    write_all(file.descriptor(), buffer, path);
+    flushed += buffer.size();
+    buffer.clear();
+  }
+};
+
+AtomicWriter::AtomicWriter(const fs::path& path) {
   check_no_folder(path);
-  if (is_special(path)) return write_special(path, bytes);
-  const fs::path target = target_of(path);
-  OpenFile file = create_temporary(target);
-  if (file.descriptor() < 0) fail(path, "no file can be created there", errno);
+  impl_ = std::make_unique<Impl>(path);
+  if (impl_->file.descriptor() < 0)
+    fail(path, impl_->special ? "it cannot be opened for writing" : "no file can be created there", errno);
+}
+AtomicWriter::~AtomicWriter() = default;
+
+void AtomicWriter::write(std::span<const std::byte> bytes) {
+  constexpr std::size_t most_buffered = std::size_t{1} << 20;
+  if (impl_->buffer.size() + bytes.size() > most_buffered) impl_->flush();
+  if (bytes.size() <= most_buffered) {
+    impl_->buffer.insert(impl_->buffer.end(), bytes.begin(), bytes.end());
+    return;
+  }
+  write_all(impl_->file.descriptor(), bytes, impl_->path);
+  impl_->flushed += bytes.size();
+}
+
+std::uint64_t AtomicWriter::position() const { return impl_->flushed + impl_->buffer.size(); }
+
+void AtomicWriter::seek(std::uint64_t position) {
+  impl_->flush();
+  if (::lseek(impl_->file.descriptor(), static_cast<off_t>(position), SEEK_SET) < 0)
+    fail(impl_->path, "writing failed", errno);
+  impl_->flushed = position;
+}
+
+void AtomicWriter::commit(const fs::path& previous) {
+  Impl& own = *impl_;
+  own.flush();
+  if (own.special) return;
   struct stat existing {};
+  const bool replaces = ::stat(own.target.c_str(), &existing) == 0;
   // A replaced file keeps its permissions; failing to is no reason to lose a picture.
-  if (::stat(target.c_str(), &existing) == 0) (void)!::fchmod(file.descriptor(), existing.st_mode & 0777);
-  write_all(file.descriptor(), bytes, path);
-  if (::fsync(file.descriptor()) != 0) fail(path, "writing failed", errno);
-  if (::rename(file.path().c_str(), target.c_str()) != 0)
-    fail(path, "the finished file cannot be renamed", errno);
-  file.keep();
+  if (replaces) (void)!::fchmod(own.file.descriptor(), existing.st_mode & 0777);
+  if (::fsync(own.file.descriptor()) != 0) fail(own.path, "writing failed", errno);
+  if (replaces && !previous.empty()) keep_as(own.target, previous);
+  if (::rename(own.file.path().c_str(), own.target.c_str()) != 0)
+    fail(own.path, "the finished file cannot be renamed", errno);
+  own.file.keep();
   // The rename itself becomes durable with the folder; not every file system lets a folder be synchronised.
-  const OpenFile folder(folder_of(target), O_RDONLY | O_DIRECTORY, 0, false);
+  const OpenFile folder(folder_of(own.target), O_RDONLY | O_DIRECTORY, 0, false);
   if (folder.descriptor() >= 0) (void)::fsync(folder.descriptor());
+}
+
+void write_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+  AtomicWriter writer(path);
+  writer.write(bytes);
+  writer.commit();
 }
 
 }  // namespace twopass

@@ -20,6 +20,7 @@
 
 #include "render/core/error.h"
 #include "render/image/atomic_file.h"
+#include "render/image/exr_header.h"
 #include "render/image/regular_file.h"
 
 namespace twopass {
@@ -59,6 +60,27 @@ ChannelName split(std::string_view name) {
   return {name.substr(0, dot), name.substr(dot + 1)};
 }
 
+void insert_metadata(Imf::Header& header, const ExrMetadata& metadata) {
+  for (const auto& [name, value] : metadata) {
+    if (const auto* text = std::get_if<std::string>(&value)) header.insert(name, Imf::StringAttribute(*text));
+    if (const auto* number = std::get_if<float>(&value)) header.insert(name, Imf::FloatAttribute(*number));
+    if (const auto* number = std::get_if<int>(&value)) header.insert(name, Imf::IntAttribute(*number));
+  }
+}
+
+ExrMetadata metadata_of(const Imf::Header& header) {
+  ExrMetadata metadata;
+  for (auto it = header.begin(); it != header.end(); ++it) {
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute()))
+      metadata.emplace_back(it.name(), text->value());
+    if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(&it.attribute()))
+      metadata.emplace_back(it.name(), number->value());
+    if (const auto* number = dynamic_cast<const Imf::IntAttribute*>(&it.attribute()))
+      metadata.emplace_back(it.name(), number->value());
+  }
+  return metadata;
+}
+
 Imf::PixelType type_of_channel(std::string_view name, const ExrOptions& options) {
   const auto [layer, suffix] = split(name);
   const bool is_color = suffix == "R" || suffix == "G" || suffix == "B" || suffix == "A";
@@ -78,23 +100,8 @@ void check_channels(const fs::path& path, const Image& image) {
     throw Error(path.string(), "the picture has no pixels", "render at least one pixel");
 }
 
-void insert_metadata(Imf::Header& header, const ExrMetadata& metadata) {
-  for (const auto& [name, value] : metadata) {
-    if (const auto* text = std::get_if<std::string>(&value)) header.insert(name, Imf::StringAttribute(*text));
-    if (const auto* number = std::get_if<float>(&value)) header.insert(name, Imf::FloatAttribute(*number));
-    if (const auto* number = std::get_if<int>(&value)) header.insert(name, Imf::IntAttribute(*number));
-  }
-}
-
 Imf::Header make_header(const Image& image, const ExrOptions& options) {
-  const V2i corner = options.data_offset;
-  const V2i frame = options.display_size.value_or(V2i(image.width, image.height));
-  const Imath::Box2i display(V2i(0, 0), frame - V2i(1, 1));
-  const Imath::Box2i data(corner, corner + V2i(image.width - 1, image.height - 1));
-  Imf::Header header(display, data, 1.0f, V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y, Imf::ZIPS_COMPRESSION);
-  // The tag of the Color Interop Forum; chromaticities are left out because Rec.709 is what readers assume.
-  header.insert("colorInteropID", Imf::StringAttribute("lin_rec709_scene"));
-  insert_metadata(header, options.metadata);
+  Imf::Header header = picture_header(image.width, image.height, options);
   for (const std::string& name : image.channels)
     header.channels().insert(name, Imf::Channel(type_of_channel(name, options)));
   return header;
@@ -183,24 +190,6 @@ Image empty_image(const fs::path& path, const Imf::Header& header) {
   return {static_cast<int>(width), static_cast<int>(height), std::move(channels)};
 }
 
-ExrMetadata metadata_of(const Imf::Header& header) {
-  ExrMetadata metadata;
-  for (auto it = header.begin(); it != header.end(); ++it) {
-    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute()))
-      metadata.emplace_back(it.name(), text->value());
-    if (const auto* number = dynamic_cast<const Imf::FloatAttribute*>(&it.attribute()))
-      metadata.emplace_back(it.name(), number->value());
-    if (const auto* number = dynamic_cast<const Imf::IntAttribute*>(&it.attribute()))
-      metadata.emplace_back(it.name(), number->value());
-  }
-  return metadata;
-}
-
-void check_is_flat_exr(const fs::path& path) {
-  check_regular_file(path);
-  if (!Imf::isOpenExrFile(path.c_str())) throw Error(path.string(), "it is no OpenEXR file", "check the file");
-}
-
 Image read_first_part(const fs::path& path, ExrMetadata* metadata) {
   Imf::MultiPartInputFile file(path.c_str());
   const Imf::Header& header = file.header(0);
@@ -218,11 +207,36 @@ Image read_first_part(const fs::path& path, ExrMetadata* metadata) {
   Imf::InputPart part(file, 0);
   part.setFrameBuffer(frame);
   part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
-  if (metadata != nullptr) *metadata = metadata_of(header);
+  if (metadata != nullptr) *metadata = options_of(header).metadata;
   return image;
 }
 
 }  // namespace
+
+Imf::Header picture_header(int width, int height, const ExrOptions& options) {
+  const V2i corner = options.data_offset;
+  const V2i frame = options.display_size.value_or(V2i(width, height));
+  const Imath::Box2i display(V2i(0, 0), frame - V2i(1, 1));
+  const Imath::Box2i data(corner, corner + V2i(width - 1, height - 1));
+  Imf::Header header(display, data, 1.0f, V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y, Imf::ZIPS_COMPRESSION);
+  // The tag of the Color Interop Forum; chromaticities are left out because Rec.709 is what readers assume.
+  header.insert("colorInteropID", Imf::StringAttribute("lin_rec709_scene"));
+  insert_metadata(header, options.metadata);
+  return header;
+}
+
+ExrOptions options_of(const Imf::Header& header) {
+  ExrOptions options;
+  options.metadata = metadata_of(header);
+  options.data_offset = header.dataWindow().min;
+  options.display_size = header.displayWindow().max + V2i(1, 1);
+  return options;
+}
+
+void check_is_exr(const fs::path& path) {
+  check_regular_file(path);
+  if (!Imf::isOpenExrFile(path.c_str())) throw Error(path.string(), "it is no OpenEXR file", "check the file");
+}
 
 void write_exr(const fs::path& path, const Image& image, const ExrOptions& options) {
   check_channels(path, image);
@@ -236,28 +250,17 @@ void write_exr(const fs::path& path, const Image& image, const ExrOptions& optio
   write_atomically(path, stream.bytes());
 }
 
-// Says what OpenEXR says of a file in our words.
-template <class Read>
-auto reading(const fs::path& path, const Read& read) {
-  check_is_flat_exr(path);
-  try {
-    return read();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& e) {
-    throw Error(path.string(), std::string("it cannot be read: ") + e.what(), "write the file again");
-  }
-}
-
 V2i exr_size(const fs::path& path) {
-  return reading(path, [&] {
+  check_is_exr(path);
+  return in_our_words(path, [&] {
     const Image image = empty_image(path, Imf::MultiPartInputFile(path.c_str()).header(0));
     return V2i(image.width, image.height);
   });
 }
 
 Image read_exr(const fs::path& path, ExrMetadata* metadata) {
-  return reading(path, [&] { return read_first_part(path, metadata); });
+  check_is_exr(path);
+  return in_our_words(path, [&] { return read_first_part(path, metadata); });
 }
 
 }  // namespace twopass

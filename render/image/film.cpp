@@ -4,16 +4,15 @@
 #include <numeric>
 #include <string>
 
-#include <unistd.h>
-
 #include "render/core/error.h"
+#include "render/core/memory.h"
 #include "render/core/parallel.h"
 #include "render/image/compare.h"
 
 namespace twopass {
 namespace {
 
-constexpr std::int64_t most_pixels = std::int64_t{1} << 28;
+constexpr std::int64_t most_pixels = std::int64_t{1} << 30;
 
 C3d per_channel_square(const C3d& c) { return {c.x * c.x, c.y * c.y, c.z * c.z}; }
 
@@ -38,6 +37,12 @@ double FilmPixel::mean_alpha() const {
   if (samples == 0) return 0.0;
   const double n = static_cast<double>(samples);
   return std::clamp((alpha - plain_alpha * (weight / n - 1.0)) / n, 0.0, 1.0);
+}
+
+std::array<float, 4> FilmPixel::resolved() const {
+  const C3d color = mean();
+  return {static_cast<float>(color.x), static_cast<float>(color.y), static_cast<float>(color.z),
+          static_cast<float>(mean_alpha())};
 }
 
 double FilmPixel::relative_variance(const Around& around) const {
@@ -92,17 +97,22 @@ Film::Film(int width, int height) : width_(width), height_(height) {
   if (width < 1 || height < 1 || static_cast<std::int64_t>(width) * height > most_pixels)
     throw Error("picture", "its size is " + std::to_string(width) + "x" + std::to_string(height),
                 "choose a size of at least 1x1 and at most " + std::to_string(most_pixels) + " pixels");
-  const double bytes = static_cast<double>(width) * height * sizeof(FilmPixel);
-  const double memory =
-      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   // The system would promise the memory, and end the program when it is used.
-  if (bytes > memory)
+  const double bytes = bytes_to_render(width, height);
+  if (bytes > memory_limit_bytes())
     throw Error("picture",
                 std::to_string(width) + "x" + std::to_string(height) + " pixels need " +
-                    std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) +
-                    " GB, more than this machine's memory",
+                    std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) + " GB of memory, there are " +
+                    std::to_string(static_cast<int>(memory_limit_bytes() / 1e9)),
                 "choose a smaller size, or render it in parts (--crop)");
   pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+}
+
+double Film::bytes_to_render(int width, int height) {
+  // The sums, and what the estimate of noise takes beside them. Writing the picture takes less: its floats twice, its
+  // halves twice, 48 bytes.
+  constexpr double each = sizeof(FilmPixel) + sizeof(C3d) + sizeof(Around);
+  return each * width * height;
 }
 
 std::size_t Film::index(int x, int y) const {
@@ -127,13 +137,8 @@ std::uint64_t Film::samples() const {
 Image Film::resolve() const {
   Image image(width_, height_, {"R", "G", "B", "A"});
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    const FilmPixel& pixel = pixels_[i];
-    const C3d mean = pixel.mean();
-    float* out = &image.pixels[4 * i];
-    out[0] = static_cast<float>(mean.x);
-    out[1] = static_cast<float>(mean.y);
-    out[2] = static_cast<float>(mean.z);
-    out[3] = static_cast<float>(pixel.mean_alpha());
+    const std::array<float, 4> rgba = pixels_[i].resolved();
+    std::copy(rgba.begin(), rgba.end(), &image.pixels[4 * i]);
   }
   return image;
 }

@@ -2,6 +2,7 @@
 // Knows no scene and no file. One thread owns a pixel while a pass is rendered, hence no locks.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -40,6 +41,8 @@ struct FilmPixel {
   [[nodiscard]] C3d mean() const;
   /// Mean coverage, in [0, 1]; 0 without samples.
   [[nodiscard]] double mean_alpha() const;
+  /// What stands in the picture: R, G, B, A.
+  [[nodiscard]] std::array<float, 4> resolved() const;
   /// Estimated variance of one sample over r^2 + 0.01 (S9), averaged over the channels, from the scatter of the
   /// batches; divided by `samples` it is the expected relMSE of the mean. r is the pixel's mean radiance, but
   /// only as far as it is certain (two standard errors below) or as the pixels around have it: a rare bright
@@ -74,9 +77,11 @@ struct NoiseEstimate {
 
 class Film {
  public:
-  /// An empty film. Throws Error unless both sizes are at least 1 and the film has at most 2^28 pixels, for
+  /// An empty film. Throws Error unless both sizes are at least 1 and the film has at most 2^30 pixels (32k x 32k), for
   /// which the machine has the memory.
   Film(int width, int height);
+  /// The memory that it takes to render and to write a picture, however many samples it has.
+  [[nodiscard]] static double bytes_to_render(int width, int height);
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }

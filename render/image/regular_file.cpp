@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "render/core/error.h"
+#include "render/core/memory.h"
 
 namespace twopass {
 namespace {
@@ -33,11 +34,6 @@ void check_mode(mode_t mode, const fs::path& path, std::string_view asked_by) {
   if (S_ISDIR(mode)) refuse(path, asked_by, "this is a folder", "name a file in it");
   const char* kind = S_ISFIFO(mode) ? "pipe" : S_ISSOCK(mode) ? "socket" : "device";
   refuse(path, asked_by, std::string("this is not a regular file but a ") + kind, "name a file");
-}
-
-std::uint64_t memory_of_machine() {
-  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-         static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
 std::string lower(std::string text) {
@@ -108,7 +104,7 @@ std::size_t RegularFile::read(char* to, std::size_t count) {
 
 std::string read_regular_file(const fs::path& path, std::string_view asked_by) {
   RegularFile file(path, asked_by);
-  if (file.size() > memory_of_machine())
+  if (static_cast<double>(file.size()) > memory_limit_bytes())
     refuse(path, asked_by, "it has " + std::to_string(file.size()) + " bytes, more than this machine's memory",
            "split it, or check that it is the right file");
   std::string bytes(static_cast<std::size_t>(file.size()), '\0');

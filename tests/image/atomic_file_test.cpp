@@ -56,6 +56,50 @@ TEST_F(AtomicFile, AFailureLeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(files_in_folder(), 1u);
 }
 
+TEST_F(AtomicFile, ThePreviousFileIsKeptUnderItsOwnName) {
+  for (const char* text : {"first", "second", "third"}) {
+    AtomicWriter writer(file("a.exr"));
+    writer.write(bytes_of(text));
+    writer.commit(file("a.previous.exr"));
+  }
+  EXPECT_EQ(content_of(file("a.exr")), "third");
+  EXPECT_EQ(content_of(file("a.previous.exr")), "second");
+  EXPECT_EQ(files_in_folder(), 2u);
+  {
+    AtomicWriter writer(file("a.exr"));
+    writer.write(bytes_of("never finished"));
+  }
+  const FileSizeLimit limit(1000);
+  EXPECT_TRUE(contains(error_of([&] {
+                         AtomicWriter writer(file("a.exr"));
+                         writer.write(bytes_of(std::string(5000, 'x')));
+                         writer.commit(file("a.previous.exr"));
+                       }),
+                       "writing failed"));
+  EXPECT_EQ(content_of(file("a.exr")), "third");
+  EXPECT_EQ(content_of(file("a.previous.exr")), "second");
+  EXPECT_EQ(files_in_folder(), 2u);
+}
+
+TEST_F(AtomicFile, PiecesAndCorrectionsAreOneFile) {
+  std::string expected;
+  AtomicWriter writer(file("a.exr"));
+  for (int i = 0; i < 50; ++i) {
+    const std::string piece(static_cast<std::size_t>(100000 + i), static_cast<char>('a' + i % 26));
+    EXPECT_EQ(writer.position(), expected.size());
+    writer.write(bytes_of(piece));
+    expected += piece;
+  }
+  writer.seek(1234567);
+  writer.write(bytes_of("corrected"));
+  expected.replace(1234567, 9, "corrected");
+  writer.seek(expected.size());
+  writer.write(bytes_of("end"));
+  EXPECT_FALSE(fs::exists(file("a.exr")));
+  writer.commit();
+  EXPECT_EQ(content_of(file("a.exr")), expected + "end");
+}
+
 TEST_F(AtomicFile, AFullDeviceIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
   const std::string message = error_of([] { write_atomically("/dev/full", bytes_of("x")); });

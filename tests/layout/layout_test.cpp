@@ -22,7 +22,7 @@ const std::vector<std::pair<std::string, std::string>> homes{
     {"embree", "render/scene/ray_caster.cpp"},
     {"tbb/", "render/core/parallel.cpp"},
     {"OpenColorIO/", "render/image/color"},
-    {"OpenEXR/", "render/image/exr.cpp"},
+    {"OpenEXR/", "render/image/exr"},
     {"OpenImageIO/", "render/image/oiio_"},
     {"tiny_obj_loader", "render/load/"},
     {"tiny_gltf", "render/load/gltf_"},

@@ -11,43 +11,12 @@
 #include <unistd.h>
 
 #include "render/image/picture.h"
+#include "tests/program/program.h"
 
 namespace twopass {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Outcome {
-  int exit_code;
-  std::string out, err;
-};
-
-class Program : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("twopass-program-" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  // Arguments are given as the shell takes them; `environment` stands before the program.
-  Outcome run(const std::string& arguments, const std::string& environment = "") const {
-    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command = "cd '" + folder_.string() + "' && env " + environment +
-                                " '" TWOPASS_PROGRAM "' " + arguments + " >'" + out.string() + "' 2>'" +
-                                err.string() + "'";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(out), read(err)};
-  }
-  static std::string read(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
-
-  fs::path folder_;
-  const std::string box_ = "'" TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml' --size 40x40 ";
-};
 
 TEST_F(Program, HelpAndVersionSucceed) {
   const Outcome help = run("--help");
@@ -486,21 +455,11 @@ TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {
 
 // Runs the program on the Cornell box, presses Ctrl-C after two seconds, and returns the exit code.
 int exit_code_of_interrupted(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(),
-                   {"twopass", "render", TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml", "--quiet"});
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    execv(TWOPASS_PROGRAM, argv.data());
-    _exit(99);
-  }
+  arguments.insert(arguments.begin(), {"render", TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml", "--quiet"});
+  RunningProgram program(arguments);
   sleep(2);
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  program.send(SIGINT);
+  return program.wait();
 }
 
 TEST_F(Program, InterruptWritesWhatThereIsAndExitsWith130) {

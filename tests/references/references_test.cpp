@@ -97,7 +97,6 @@ Converged render_runs(const LoadedScene& loaded, IntegratorKind kind, int sample
                                                 .goal = {.samples_per_pixel = samples},
                                                 .seed = static_cast<std::uint32_t>(run + 1),
                                                 .cone = cone,
-                                                .report_progress = {},
                                                 .corner = window.corner},
                                                film);
     EXPECT_EQ(outcome.non_finite_samples, 0u);

@@ -1,5 +1,8 @@
 #include "render/render_image.h"
 
+#include <atomic>
+#include <mutex>
+
 #include <gtest/gtest.h>
 
 #include "integrators/path.h"
@@ -165,6 +168,148 @@ TEST(RenderImage, InterruptEndsIt) {
   EXPECT_EQ(outcome.stop_reason, "interrupted");
 }
 
+void expect_same_bits(const Film& a, const Film& b) {
+  for (int y = 0; y < a.height(); ++y)
+    for (int x = 0; x < a.width(); ++x) {
+      const FilmPixel &p = a.pixel(x, y), &q = b.pixel(x, y);
+      ASSERT_TRUE(p.sum == q.sum && p.plain == q.plain && p.spread == q.spread && p.alpha == q.alpha &&
+                  p.weight == q.weight && p.samples == q.samples && p.batches == q.batches)
+          << x << ' ' << y;
+    }
+}
+
+// Noise that differs from pixel to pixel, so that adaptive plans have something to decide.
+class Uneven final : public Integrator {
+ public:
+  void trace(std::span<PathSample> samples, RayCounts& counts) const override {
+    counts.rays += samples.size();
+    for (PathSample& sample : samples) {
+      const float u = sample.sampler.next_1d(), wide = sample.ray.direction.x > 0.0f ? 1.8f : 0.1f;
+      sample.seen = {C3f(1.0f + wide * (u - 0.5f)), 1.0f};
+    }
+  }
+};
+
+// Where a render stood when it paused for the n-th time that it was asked.
+struct Pause {
+  Film film;
+  RenderState state;
+};
+
+TEST(RenderImage, ResumedAnywhereItHasTheSameBytesAsUninterrupted) {
+  const Uneven integrator;
+  const Camera camera(description, 60, 45);
+  for (const SamplingGoal& goal : {SamplingGoal{.samples_per_pixel = 40}, SamplingGoal{.relative_error = 0.03}}) {
+    const auto job = [&] {
+      return RenderJob{.integrator = integrator,
+                       .camera = camera,
+                       .filter = mitchell_filter(),
+                       .goal = goal,
+                       .seed = 3};
+    };
+    Film whole(60, 45);
+    std::vector<Pause> pauses;
+    std::atomic<int> asked{0};
+    RenderJob pausing = job();
+    pausing.wants_pause = [&] { return ++asked % 7 == 0; };
+    pausing.at_pause = [&](const RenderState& state) { pauses.push_back({whole, state}); };
+    const RenderOutcome outcome = render_image(pausing, whole);
+    Film straight(60, 45);
+    const RenderOutcome expected = render_image(job(), straight);
+    expect_same_bits(whole, straight);
+    ASSERT_GT(pauses.size(), 4u);
+    bool adaptive = false;
+    for (Pause& pause : pauses) {
+      adaptive |= !pause.state.plan.levels.empty();
+      RenderJob resumed = job();
+      resumed.resumed = &pause.state;
+      const RenderOutcome rest = render_image(resumed, pause.film);
+      expect_same_bits(pause.film, straight);
+      EXPECT_EQ(rest.counts.rays, expected.counts.rays);
+      EXPECT_EQ(rest.stop_reason, expected.stop_reason);
+    }
+    EXPECT_EQ(adaptive, goal.relative_error > 0.0) << "some pauses are behind the pilot";
+    EXPECT_EQ(outcome.counts.rays, expected.counts.rays);
+  }
+}
+
+TEST(RenderImage, AResumedRenderAddsSamples) {
+  const Synthetic integrator(1.0f);
+  const Camera camera(description, 20, 20);
+  Film film(20, 20), straight(20, 20);
+  const RenderOutcome first = run(integrator, film, {.samples_per_pixel = 8});
+  const RenderState state{first.plan, {first.counts, 0}};
+  const SamplingGoal goal{.samples_per_pixel = 32};
+  render_image({.integrator = integrator, .camera = camera, .filter = box_filter(), .goal = goal, .seed = 1, .resumed = &state},
+               film);
+  run(integrator, straight, goal);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 20; ++x) {
+      EXPECT_EQ(film.pixel(x, y).samples, 32u);
+      EXPECT_NEAR(film.pixel(x, y).mean().x, straight.pixel(x, y).mean().x, 1e-12);
+    }
+}
+
+TEST(RenderImage, SlicesHaveTheSamplesOfTheWholeEachOnce) {
+  const Synthetic integrator(1.0f);
+  const Camera camera(description, 20, 20);
+  for (const SamplerKind sampler : {SamplerKind::sobol, SamplerKind::stratified, SamplerKind::independent}) {
+    const auto job = [&](int first, int samples, int all) {
+      return RenderJob{.integrator = integrator,
+                       .camera = camera,
+                       .filter = mitchell_filter(),
+                       .goal = {.samples_per_pixel = samples},
+                       .seed = 5,
+                       .sampler = sampler,
+                       .first_sample = static_cast<std::uint32_t>(first),
+                       .all_samples = static_cast<std::uint32_t>(all)};
+    };
+    Film whole(20, 20), merged(20, 20);
+    render_image(job(0, 25, 25), whole);
+    for (int k = 0; k < 4; ++k) {
+      Film part(20, 20);
+      render_image(job(25 * k / 4, 25 * (k + 1) / 4 - 25 * k / 4, 25), part);
+      merged.merge(part);
+    }
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 20; ++x) {
+        EXPECT_EQ(merged.pixel(x, y).samples, 25u);
+        EXPECT_NEAR(merged.pixel(x, y).mean().x, whole.pixel(x, y).mean().x, 1e-12);
+        EXPECT_NEAR(merged.pixel(x, y).weight, whole.pixel(x, y).weight, 1e-12);
+      }
+  }
+}
+
+TEST(RenderImage, ProgressTellsPassSamplesErrorAndSpeed) {
+  const Synthetic integrator(1.0f);
+  const Camera camera(description, 40, 40);
+  std::mutex mutex;
+  std::vector<RenderProgress> reports;
+  Film film(40, 40);
+  RenderJob job{.integrator = integrator, .camera = camera, .filter = box_filter(), .goal = {.samples_per_pixel = 64}};
+  job.report_progress = [&](const RenderProgress& at) {
+    const std::lock_guard lock(mutex);
+    reports.push_back(at);
+  };
+  render_image(job, film);
+  ASSERT_FALSE(reports.empty());
+  int last_pass = 0;
+  double known = 0.0;
+  for (const RenderProgress& at : reports) {
+    last_pass = std::max(last_pass, at.pass);
+    EXPECT_GT(at.rays_per_second, 0.0);
+    if (std::isfinite(at.error)) known = at.error;
+  }
+  EXPECT_EQ(last_pass, 8);
+  EXPECT_GT(known, 0.0);
+  EXPECT_LT(known, 0.5);
+  const auto& furthest = *std::max_element(reports.begin(), reports.end(), [](const auto& a, const auto& b) {
+    return a.samples_per_pixel < b.samples_per_pixel;
+  });
+  EXPECT_EQ(furthest.fraction, 1.0);
+  EXPECT_EQ(furthest.samples_per_pixel, 64.0);
+}
+
 TEST(RenderImage, NonFiniteSamplesAreCountedAndBlack) {
   Film film(16, 16);
   const RenderOutcome outcome = run(Synthetic(0.0f, true), film, {64, 0, 0});
@@ -198,8 +343,7 @@ TEST(RenderImage, FootprintsTakeTheNoiseOutOfFineTexturesAndLeaveTheirMean) {
                   .camera = camera,
                   .filter = box_filter(),
                   .goal = {.samples_per_pixel = 16},
-                  .cone = cone,
-                  .report_progress = {}},
+                  .cone = cone},
                  film);
     const Image image = film.resolve();
     // Just below the horizon, where a pixel holds many squares.
