@@ -23,6 +23,7 @@ done
 work=$(mktemp -d) || exit 1
 pids=()
 cleanup() {
+  [ -z "${node2-}" ] || kill -9 "$node2" 2>/dev/null
   [ ${#pids[@]} -eq 0 ] || kill "${pids[@]}" 2>/dev/null
   wait 2>/dev/null
   rm -rf "$work"
@@ -44,10 +45,10 @@ wait_for() {
 }
 
 scene=$here/../scenes/cornell-box/scene.xml
-options=(--size 64x64 --spp 1200 --exr-type float --quiet)
+options=(--size 64x64 --spp 800 --exr-type float)
 farm=$here/../render/farm
 "$TWOPASS" solve "$scene" -o "$work/solution.radiosity" --quiet || fail "solving"
-"$TWOPASS" render "$scene" -o "$work/single.exr" --solution "$work/solution.radiosity" "${options[@]}" || fail "the picture of a single machine"
+"$TWOPASS" render "$scene" -o "$work/single.exr" --solution "$work/solution.radiosity" --quiet "${options[@]}" || fail "the picture of a single machine"
 same_picture() {
   "$TWOPASS" compare "$1" "$work/single.exr" --max relmse=1e-12 >"$work/compare.log" 2>&1 || fail "$1 is another picture: $(cat "$work/compare.log")"
 }
@@ -97,7 +98,7 @@ pids+=($!)
 # The second node has processes of its own, which all die with its first one.
 unshare --pid --fork --kill-child --mount-proc slurmd -D -N n2 -f "$SLURM_CONF" >"$work/n2.out" 2>&1 &
 node2=$!
-pids+=($node2)
+disown
 idle() { [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = 2 ]; }
 wait_for 20 idle || { echo "SLURM does not start here: skipped" >&2; cat "$work"/*.out >&2; exit 77; }
 
@@ -106,14 +107,15 @@ read -r _ slices merge <<<"$jobs"
 # The power goes when the node has a checkpoint to lose no more than.
 lost_slice() { lost=$(squeue -h -w n2 -j "$slices" -t R -o %K 2>/dev/null); [ -n "$lost" ] && [ -f "$work/slurm.exr.farm/checkpoints/$lost.exr" ]; }
 wait_for 60 lost_slice || fail "no slice runs on the second node"
-kill -9 "$node2"
+kill -9 "$node2" && node2=
 echo "slice $lost is lost with its node"
 waits_again() { squeue -h -j "${slices}_$lost" -t PD -o %K 2>/dev/null | grep -q .; }
 wait_for 60 waits_again || fail "SLURM does not start the lost slice again"
 scontrol update JobId="${slices}_$lost" StartTime=now  # it would wait two minutes
 done_() { ! squeue -h -o %i | grep -q .; }
 wait_for 120 done_ || fail "the jobs do not end: $(squeue)"
-grep -q "resumed .*checkpoints/$lost.exr" "$work"/slurm.exr.farm/logs/slice-"$lost".log && echo "and went on from its checkpoint"
+grep -q "^resumed .*checkpoints/$lost.exr" "$work/slurm.exr.farm/logs/slice-$lost.log" || fail "the lost slice began anew"
+echo "and went on from its checkpoint"
 [ -f "$work/slurm.exr" ] || fail "there is no picture (job $merge)"
 same_picture "$work/slurm.exr"
 echo "SLURM: the same picture"

@@ -50,7 +50,7 @@ Slice parse_slice(const std::string& text) {
       number > count)
     throw Error("--slice " + text, "not a share of a render",
                 "write K/N, for example 1/4, with K from 1 to N (or from 0 to N-1: 0 is the same as N)");
-  return {number % count, count};
+  return {(number + count - 1) % count, count};
 }
 
 std::uint32_t most_samples(const Film& film) {

@@ -425,8 +425,14 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   if (s.samples == 0) throw Interrupted{};  // an older picture is better than an empty one
   stopwatch = Stopwatch();
   const RenderState state{s.outcome.plan, {s.outcome.counts, s.outcome.non_finite_samples}};
-  parts.finish(film, state, options_of_picture(state));
+  std::exception_ptr failure;
+  try {
+    parts.finish(film, state, options_of_picture(state));
+  } catch (const Error&) {
+    failure = std::current_exception();
+  }
   write_pictures(state);
+  if (failure) std::rethrow_exception(failure);
   s.write = stopwatch.elapsed();
   s.total = total.elapsed();
   if (!options.stats_file.empty()) write_statistics(options.stats_file, s);

@@ -11,15 +11,16 @@ shift 3
 step=$(dirname "$(realpath "$0")")/step.sh
 folder=$picture.farm
 mkdir -p "$folder/logs"
+# submit LOG ...
 submit() {
-  name=$1
+  log=$1
   shift
   # shellcheck disable=SC2086
-  sbatch --parsable --job-name="$name" --requeue --open-mode=append --output="$folder/logs/$name-%a.log" \
+  sbatch --parsable --job-name="${log%%[-.]*}" --requeue --open-mode=append --output="$folder/logs/$log" \
     ${SBATCH_OPTIONS:-} "$@"
 }
-solve=$(submit solve "$step" solve "$scene" "$folder" "$@")
-slice=$(submit slice --array="1-$slices" --dependency="afterok:$solve" ${SLICE_OPTIONS:-} \
+solve=$(submit solve.log "$step" solve "$scene" "$folder" "$@")
+slice=$(submit slice-%a.log --array="1-$slices" --dependency="afterok:$solve" ${SLICE_OPTIONS:-} \
   "$step" slice "$scene" "$folder" array "$slices" "$@")
-merge=$(submit merge --dependency="afterok:$slice" --kill-on-invalid-dep=yes "$step" merge "$folder" "$picture")
+merge=$(submit merge.log --dependency="afterok:$slice" --kill-on-invalid-dep=yes "$step" merge "$folder" "$picture")
 echo "$solve $slice $merge"

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -59,27 +60,56 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
-// A file descriptor, and the file itself unless it is kept.
+// A file descriptor, closed in the end.
 class OpenFile {
  public:
-  OpenFile(fs::path path, int flags, mode_t mode, bool remove)
-      : path_(std::move(path)), remove_(remove), descriptor_(::open(path_.c_str(), flags | O_CLOEXEC, mode)) {}
+  OpenFile(const fs::path& path, int flags, mode_t mode = 0)
+      : descriptor_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {}
   ~OpenFile() {
-    if (descriptor_ < 0) return;
-    ::close(descriptor_);
-    if (remove_) ::unlink(path_.c_str());
+    if (descriptor_ >= 0) ::close(descriptor_);
   }
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
-
   [[nodiscard]] int descriptor() const { return descriptor_; }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-  void keep() { remove_ = false; }
 
  private:
-  fs::path path_;
-  bool remove_;
   int descriptor_;
+};
+
+// A new file in the folder of `target`, gone in the end unless it has taken its place. Where the file system
+// can do so it has no name before, so that nothing is left of it even when the program is killed.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& target) : target_(target), name_(temporary_path_beside(target)) {
+    if (::access("/proc/self/fd", X_OK) == 0) file_.emplace(folder_of(target), O_TMPFILE | O_WRONLY, 0666);
+    if (file_ && descriptor() >= 0) return;
+    file_.emplace(name_, O_WRONLY | O_CREAT | O_EXCL, 0666);
+    has_name_ = descriptor() >= 0;
+  }
+  ~TemporaryFile() {
+    if (has_name_) ::unlink(name_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  // Negative when it could not be created, which errno then explains.
+  [[nodiscard]] int descriptor() const { return file_->descriptor(); }
+  // Puts it in the place of the target; false when that fails.
+  bool take_place() {
+    if (!has_name_) {
+      const std::string self = "/proc/self/fd/" + std::to_string(descriptor());
+      if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) != 0) return false;
+      has_name_ = true;
+    }
+    if (::rename(name_.c_str(), target_.c_str()) != 0) return false;
+    has_name_ = false;
+    return true;
+  }
+
+ private:
+  fs::path target_, name_;
+  std::optional<OpenFile> file_;
+  bool has_name_ = false;
 };
 
 void write_all(int descriptor, std::span<const std::byte> bytes, const fs::path& path) {
@@ -89,10 +119,6 @@ void write_all(int descriptor, std::span<const std::byte> bytes, const fs::path&
     if (written < 0) fail(path, "writing failed", errno);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
-}
-
-OpenFile create_temporary(const fs::path& target) {
-  return {temporary_path_beside(target), O_WRONLY | O_CREAT | O_EXCL, 0666, true};
 }
 
 // Gives the file a second name, so that there is one under its first name at every moment; where the file
@@ -138,26 +164,27 @@ void check_writable(const fs::path& path) {
   // Creating a file is the only honest test: permissions, quotas and read-only mounts all have their say. The
   // name itself must be possible too, as it may be longer than the temporary one.
   if (::access(target.c_str(), F_OK) != 0 && errno != ENOENT) fail(path, "no file can have this name", errno);
-  const OpenFile probe = create_temporary(target);
+  const TemporaryFile probe(target);
   if (probe.descriptor() < 0) fail(path, "no file can be created there", errno);
 }
 
 struct AtomicWriter::Impl {
   fs::path path, target;
-  bool special;
-  OpenFile file;
+  std::optional<OpenFile> special;  // is written as it stands
+  std::optional<TemporaryFile> file;
   std::vector<std::byte> buffer{};
   std::uint64_t flushed = 0;  // where in the file the buffer begins
 
-  explicit Impl(const fs::path& path_)
-      : path(path_),
-        target(target_of(path)),
-        special(is_special(path)),
-        file(special ? path : temporary_path_beside(target), special ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL,
-             0666, !special) {}
+  explicit Impl(const fs::path& path_) : path(path_), target(target_of(path)) {
+    if (is_special(path))
+      special.emplace(path, O_WRONLY);
+    else
+      file.emplace(target);
+  }
 
+  [[nodiscard]] int descriptor() const { return special ? special->descriptor() : file->descriptor(); }
   void flush() {
-    write_all(file.descriptor(), buffer, path);
+    write_all(descriptor(), buffer, path);
     flushed += buffer.size();
     buffer.clear();
   }
@@ -166,7 +193,7 @@ struct AtomicWriter::Impl {
 AtomicWriter::AtomicWriter(const fs::path& path) {
   check_no_folder(path);
   impl_ = std::make_unique<Impl>(path);
-  if (impl_->file.descriptor() < 0)
+  if (impl_->descriptor() < 0)
     fail(path, impl_->special ? "it cannot be opened for writing" : "no file can be created there", errno);
 }
 AtomicWriter::~AtomicWriter() = default;
@@ -178,7 +205,7 @@ void AtomicWriter::write(std::span<const std::byte> bytes) {
     impl_->buffer.insert(impl_->buffer.end(), bytes.begin(), bytes.end());
     return;
   }
-  write_all(impl_->file.descriptor(), bytes, impl_->path);
+  write_all(impl_->descriptor(), bytes, impl_->path);
   impl_->flushed += bytes.size();
 }
 
@@ -186,7 +213,7 @@ std::uint64_t AtomicWriter::position() const { return impl_->flushed + impl_->bu
 
 void AtomicWriter::seek(std::uint64_t position) {
   impl_->flush();
-  if (::lseek(impl_->file.descriptor(), static_cast<off_t>(position), SEEK_SET) < 0)
+  if (::lseek(impl_->descriptor(), static_cast<off_t>(position), SEEK_SET) < 0)
     fail(impl_->path, "writing failed", errno);
   impl_->flushed = position;
 }
@@ -198,14 +225,12 @@ void AtomicWriter::commit(const fs::path& previous) {
   struct stat existing {};
   const bool replaces = ::stat(own.target.c_str(), &existing) == 0;
   // A replaced file keeps its permissions; failing to is no reason to lose a picture.
-  if (replaces) (void)!::fchmod(own.file.descriptor(), existing.st_mode & 0777);
-  if (::fsync(own.file.descriptor()) != 0) fail(own.path, "writing failed", errno);
+  if (replaces) (void)!::fchmod(own.descriptor(), existing.st_mode & 0777);
+  if (::fsync(own.descriptor()) != 0) fail(own.path, "writing failed", errno);
   if (replaces && !previous.empty()) keep_as(own.target, previous);
-  if (::rename(own.file.path().c_str(), own.target.c_str()) != 0)
-    fail(own.path, "the finished file cannot be renamed", errno);
-  own.file.keep();
+  if (!own.file->take_place()) fail(own.path, "the finished file cannot be renamed", errno);
   // The rename itself becomes durable with the folder; not every file system lets a folder be synchronised.
-  const OpenFile folder(folder_of(own.target), O_RDONLY | O_DIRECTORY, 0, false);
+  const OpenFile folder(folder_of(own.target), O_RDONLY | O_DIRECTORY);
   if (folder.descriptor() >= 0) (void)::fsync(folder.descriptor());
 }
 

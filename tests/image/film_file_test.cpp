@@ -57,7 +57,7 @@ void expect_same(const Film& a, const Film& b) {
 }
 
 TEST_F(FilmFiles, KeepEveryBitOfEveryNumber) {
-  for (const auto [width, height] : {std::pair{1, 1}, {5, 3}, {16, 16}, {33, 50}}) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {16, 16}, {33, 50}}) {
     const Film film = random_film(width, height, 1);
     std::vector<std::uint8_t> marks(static_cast<std::size_t>(width * height)), read;
     for (std::size_t i = 0; i < marks.size(); ++i) marks[i] = static_cast<std::uint8_t>(7 * i);

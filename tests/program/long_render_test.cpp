@@ -152,7 +152,7 @@ TEST_F(LongRender, WhatCannotBeIsSaidAtOnce) {
 }
 
 TEST_F(LongRender, KilledAtAnyMomentItGoesOnWithTheSameBytes) {
-  for (const std::vector<std::string>& goal : {std::vector<std::string>{"--spp", "300"}, {"--noise", "0.02"}}) {
+  for (const std::vector<std::string>& goal : {std::vector<std::string>{"--spp", "200"}, {"--noise", "0.03"}}) {
     const std::string goal_text = goal[0] + " " + goal[1];
     for (const char* name : {"c.exr", "c.previous.exr"}) fs::remove(folder_ / name);
     good("render '" + scene + "' --size 64x64 --integrator path --quiet " + goal_text + " -o straight.exr");
@@ -281,7 +281,7 @@ TEST_F(LongRender, AFullDiskEndsInOneErrorAndTheLastGoodFileIsIntact) {
 TEST_F(LongRender, AFileThatMayNotGrowIsAnErrorToo) {
   good(path_ + "--spp 4 -o a.exr --checkpoint c.exr");
   const std::string before = read(folder_ / "c.exr");
-  const std::string limited = "cd '" + folder_.string() + "' && ulimit -f 20 && '" TWOPASS_PROGRAM "' " +
+  const std::string limited = "cd '" + folder_.string() + "' && ulimit -f 200 && '" TWOPASS_PROGRAM "' " +
                               path_ + "--spp 8 -o b.exr --checkpoint c.exr 2>err";
   EXPECT_EQ(WEXITSTATUS(std::system(("sh -c \"" + limited + "\"").c_str())), 1);
   const std::string err = read(folder_ / "err");
