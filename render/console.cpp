@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace twopass {
@@ -33,6 +34,16 @@ void Console::note(const std::string& text) const {
 void Console::detail(const std::string& text) const {
   if (verbosity_ == Verbosity::verbose) std::fprintf(stderr, "%s\n", printable(text).c_str());
 }
+
+namespace {
+
+std::size_t columns_of_terminal() {
+  winsize size{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return known ? size.ws_col : 80;
+}
+
+}  // namespace
 
 Progress::Progress(const Console& console, std::string label)
     : label_(std::move(label)),
@@ -68,16 +79,31 @@ std::string duration_text(double seconds) {
   return text;
 }
 
+std::string progress_line(const std::string& label, double fraction, const std::string& text,
+                          std::size_t columns) {
+  // One column less than there are: some terminals begin a new line in the last one.
+  constexpr std::size_t most = 30, least = 5;
+  std::string line = label;
+  const std::size_t used = label.size() + text.size() + 4;
+  if (columns >= used + least) {
+    const std::size_t width = std::min(most, columns - used);
+    const auto filled = static_cast<std::size_t>(static_cast<double>(width) * fraction);
+    line += " [" + std::string(filled, '#') + std::string(width - filled, '.') + "]";
+  }
+  line += text;
+  return line.substr(0, columns - 1);
+}
+
 void Progress::draw(double fraction, double seconds, const std::string& details) {
   const int percent = static_cast<int>(100.0 * fraction);
   std::string text;
   if (fraction > first_) text = duration_text(seconds * (1.0 - fraction) / (fraction - first_)) + " left";
   if (!details.empty()) text += (text.empty() ? "" : ", ") + details;
   if (terminal_) {
-    constexpr int width = 30;
-    const int filled = static_cast<int>(width * fraction);
-    std::fprintf(stderr, "\r\033[K%s [%s%s] %3d %%  %s", label_.c_str(), std::string(filled, '#').c_str(),
-                 std::string(width - filled, '.').c_str(), percent, text.c_str());
+    char share[16];
+    std::snprintf(share, sizeof share, " %3d %%  ", percent);
+    std::fprintf(stderr, "\r\033[K%s",
+                 progress_line(label_, fraction, share + text, columns_of_terminal()).c_str());
     std::fflush(stderr);
     drawn_ = true;
   } else if (percent / 10 > last_tenth_) {

@@ -33,6 +33,11 @@ class Console {
 /// "1 h 5 min", "12 s": a duration for people.
 std::string duration_text(double seconds);
 
+/// "label [###...] text" in fewer than `columns` characters: the bar is as long as there is room, or left out,
+/// and then the text is cut. REQUIRES: fraction in [0, 1], columns > 1.
+std::string progress_line(const std::string& label, double fraction, const std::string& text,
+                          std::size_t columns);
+
 /// A bar with the time left on a terminal, a plain line now and then elsewhere, nothing when quiet.
 class Progress {
  public:

@@ -287,11 +287,11 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
                 static_cast<unsigned long long>(s.outcome.non_finite_samples));
 }
 
-// "pass 3, 24 samples a pixel, noise 0.034, 5.1 million rays/s"
+// "pass 3, 24 spp, noise 0.034, 5.1 Mrays/s"
 std::string progress_text(const RenderProgress& at) {
   char noise[32] = "", text[160];
   if (std::isfinite(at.error)) std::snprintf(noise, sizeof noise, ", noise %.2g", at.error);
-  std::snprintf(text, sizeof text, "pass %d, %.4g samples a pixel%s, %.3g million rays/s", at.pass,
+  std::snprintf(text, sizeof text, "pass %d, %.4g spp%s, %.3g Mrays/s", at.pass,
                 at.samples_per_pixel, noise, 1e-6 * at.rays_per_second);
   return text;
 }

@@ -17,7 +17,8 @@ const std::string scene = TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml";
 class LongRender : public Program {
  protected:
   static std::string sized(const std::string& size, const std::string& integrator = "path") {
-    return "render '" + scene + "' --size " + size + " --integrator " + integrator + " --exr-type float --quiet ";
+    return "render '" + scene + "' --size " + size + " --integrator " + integrator +
+           " --exr-type float --quiet ";
   }
   const std::string path_ = sized("40x40");
 
@@ -314,6 +315,25 @@ TEST_F(LongRender, ADiskThatTurnsReadOnlyOrVanishesIsOneError) {
       EXPECT_EQ(run("merge disk/c.exr -o seen.exr").exit_code, 0);
     }
   }
+}
+
+// On a terminal, which `script` makes.
+TEST_F(LongRender, ProgressOnATerminal) {
+  if (std::system("command -v script >/dev/null") != 0) GTEST_SKIP() << "script is not installed";
+  const std::string command =
+      "cd '" + folder_.string() + "' && script -qec \"'" TWOPASS_PROGRAM "' render '" + scene +
+      "' --size 100x100 --integrator path --spp 200 -o a.exr\" /dev/null </dev/null >log";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const std::string log = read(folder_ / "log");
+  for (const char* part : {"rendering [#", " % ", " s left, pass ", " spp, noise 0.", " Mrays/s"})
+    EXPECT_NE(log.find(part), std::string::npos) << part << '\n' << log;
+  std::size_t longest = 0, begin = 0;
+  for (std::size_t i = 0; i < log.size(); ++i)
+    if (log[i] == '\r' || log[i] == '\n') {
+      longest = std::max(longest, i - begin);
+      begin = i + 1;
+    }
+  EXPECT_LT(longest, 80u + 3u) << "with the three bytes that erase a line";
 }
 
 TEST_F(LongRender, ThePreviewShowsThePictureOfTheFile) {
