@@ -5,6 +5,10 @@
 
 namespace twopass {
 
+inline bool is_clamped(const PathLimits& limits) {
+  return std::isfinite(limits.clamp_direct) || std::isfinite(limits.clamp_indirect);
+}
+
 /// What a path of `edges` edges may add where it carries `radiance`: scaled so that its largest channel is at
 /// most the limit for direct (two edges) or indirect light (more); the colour stays. Light seen directly (one
 /// edge) is never clamped.

@@ -7,16 +7,15 @@
 
 namespace twopass {
 
-std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const IndirectField* field, const PathLimits& limits,
-                                            const Guide* guide) {
+std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const PassOne& pass_one,
+                                            const PathLimits& limits) {
   switch (kind) {
     case IntegratorKind::two_pass:
-      return std::make_unique<TwoPass>(scene, solution, field, limits);
+      return std::make_unique<TwoPass>(scene, pass_one, limits);
     case IntegratorKind::unbiased:
-      return std::make_unique<Unbiased>(scene, solution, guide, limits);
+      return std::make_unique<Unbiased>(scene, pass_one, limits);
     case IntegratorKind::radiosity:
-      return std::make_unique<RadiosityView>(scene, solution, limits);
+      return std::make_unique<RadiosityView>(scene, pass_one.solution, limits);
     case IntegratorKind::path:
       break;
     case IntegratorKind::direct: {

@@ -4,13 +4,10 @@
 #include <memory>
 
 #include "integrators/integrator.h"
-#include "radiosity/indirect_field.h"
-#include "radiosity/solution.h"
+#include "integrators/pass_one.h"
 #include "render/core/names.h"
 
 namespace twopass {
-
-class Guide;
 
 enum class IntegratorKind { two_pass, unbiased, path, radiosity, direct };
 
@@ -21,7 +18,7 @@ inline constexpr Named<IntegratorKind> integrator_names[] = {
 };
 
 /// Whether the integrator draws directions from a guide.
-inline bool is_guided(IntegratorKind kind) { return kind == IntegratorKind::unbiased; }
+inline bool is_guided(IntegratorKind kind) { return kind == IntegratorKind::unbiased || kind == IntegratorKind::two_pass; }
 
 /// Whether the integrator reads a radiosity solution.
 inline bool reads_solution(IntegratorKind kind) {
@@ -33,16 +30,9 @@ inline bool reads_solution(IntegratorKind kind) {
 /// camera's ray and the look-up.
 inline int edges_to_solution(IntegratorKind kind) { return kind == IntegratorKind::radiosity ? 2 : 3; }
 
-/// REQUIRES: scene, solution, field and guide outlive the integrator. `solution` may be null: the pass was
-/// skipped; `field` and `guide`, too: indirect light is gathered everywhere, directions are drawn without a
-/// guide.
-std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const Solution* solution,
-                                            const IndirectField* field, const PathLimits& limits,
-                                            const Guide* guide = nullptr);
-/// The same without field and guide.
-inline std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene,
-                                                   const Solution* solution, const PathLimits& limits) {
-  return make_integrator(kind, scene, solution, nullptr, limits);
-}
+/// REQUIRES: scene and pass one outlive the integrator; the solution holds no more bounces than the limits
+/// allow.
+std::unique_ptr<Integrator> make_integrator(IntegratorKind kind, const Scene& scene, const PassOne& pass_one,
+                                            const PathLimits& limits);
 
 }  // namespace twopass

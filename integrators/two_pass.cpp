@@ -13,6 +13,21 @@ constexpr float contact_elements = 2.0f;
 // The field knows what arrives around the geometric normal, within rounding errors of this.
 constexpr float flat_cosine = 0.9999f;
 
+// What is left to be found by rays.
+Step step_after(Known known) {
+  switch (known) {
+    case Known::nothing:
+      break;
+    case Known::no_direct:
+      return Step::scatter;
+    case Known::indirect:
+      return Step::light;
+    case Known::all:
+      return Step::end;
+  }
+  return Step::light_and_scatter;
+}
+
 }  // namespace
 
 bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
@@ -21,10 +36,10 @@ bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
   return size > 0.0f && distance >= contact_elements * size;
 }
 
-std::optional<C3f> TwoPass::indirect(const Vertex& vertex) const {
-  if (!field_ || !std::holds_alternative<Diffuse>(vertex.bsdf())) return std::nullopt;
+IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
+  if (!field_ || !std::holds_alternative<Diffuse>(vertex.bsdf())) return {};
   const SurfacePoint& point = vertex.point();
-  if (point.shading.n.dot(point.geometric_normal) < flat_cosine) return std::nullopt;
+  if (point.shading.n.dot(point.geometric_normal) < flat_cosine) return {};
   return field_->at(point);
 }
 
@@ -37,11 +52,12 @@ void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
       vertex.add(reflected_radiance(vertex.bsdf(), solution_->irradiance(vertex.point())));
       return Step::end;
     }
-    if (const std::optional<C3f> irradiance = indirect(vertex)) {
-      vertex.add(diffuse_reflectance(vertex.bsdf()) * *irradiance * (1.0f / pi_f));
-      return Step::light;
-    }
-    return Step::light_and_scatter;
+    const IndirectField::LookUp found = look_up(vertex);
+    if (found.known >= Known::indirect)
+      vertex.add(diffuse_reflectance(vertex.bsdf()) * found.irradiance * (1.0f / pi_f));
+    const Step step = step_after(found.known);
+    if (guide_ && step >= Step::scatter) vertex.guide_by(guide_->at(vertex.point()));
+    return step;
   });
 }
 

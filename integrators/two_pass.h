@@ -17,6 +17,8 @@
 #pragma once
 
 #include "integrators/integrator.h"
+#include "integrators/pass_one.h"
+#include "radiosity/guide.h"
 #include "radiosity/indirect_field.h"
 #include "radiosity/solution.h"
 
@@ -26,20 +28,20 @@ class Vertex;
 
 class TwoPass final : public Integrator {
  public:
-  /// `solution` may be null where the radiosity pass was skipped: then every vertex is evaluated.
-  /// REQUIRES: scene and solution outlive the integrator; the solution holds no more bounces than the limits
-  /// allow.
-  TwoPass(const Scene& scene, const Solution* solution, const IndirectField* field, const PathLimits& limits)
-      : scene_(scene), solution_(solution), field_(field), limits_(limits) {}
+  /// Where the radiosity pass was skipped every vertex is evaluated. REQUIRES: the scene outlives the
+  /// integrator; the solution holds no more bounces than the limits allow.
+  TwoPass(const Scene& scene, const PassOne& pass_one, const PathLimits& limits)
+      : scene_(scene), solution_(pass_one.solution), field_(pass_one.field), guide_(pass_one.guide), limits_(limits) {}
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
   [[nodiscard]] bool resolves(const SurfacePoint& point, float distance) const;
-  [[nodiscard]] std::optional<C3f> indirect(const Vertex& vertex) const;
+  [[nodiscard]] IndirectField::LookUp look_up(const Vertex& vertex) const;
 
   const Scene& scene_;
   const Solution* solution_;
   const IndirectField* field_;
+  const Guide* guide_;
   PathLimits limits_;
 };
 

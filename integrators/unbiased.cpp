@@ -11,18 +11,6 @@ namespace {
 constexpr float window = 2.0f;
 // Never less often than this, so that light of which the solution knows nothing is not too dear.
 constexpr float least_survival = 0.1f;
-// Of the directions of surfaces that do not reflect by the cosine alone.
-constexpr float guided_share = 0.5f;
-
-// The part of the directions that the guide draws. Under one flat normal the cosine that it knows is all there
-// is.
-float share_of_guide(const Vertex& vertex, const Guide::Lobe& lobe) {
-  if (lobe.empty()) return 0.0f;
-  const bool is_flat = vertex.point().shading.n == vertex.point().geometric_normal;
-  if (std::holds_alternative<Diffuse>(vertex.bsdf()) && is_flat) return 1.0f;
-  return is_black(diffuse_reflectance(vertex.bsdf())) ? 0.0f : guided_share;
-}
-
 // The root mean square over the channels of what the path brings as a part of what is expected.
 float relative(const C3f& brings, const C3f& expected) {
   float sum = 0.0f;
@@ -58,11 +46,10 @@ bool settle(Vertex& vertex, const C3f& cached) {
 
 }  // namespace
 
-Unbiased::Unbiased(const Scene& scene, const Solution* solution, const Guide* guide, const PathLimits& limits)
-    : scene_(scene), solution_(solution), guide_(guide), limits_(limits) {
-  const bool is_limited =
-      limits.max_depth >= 0 || std::isfinite(limits.clamp_direct) || std::isfinite(limits.clamp_indirect);
-  returns_cached_ = solution != nullptr && !is_limited;
+Unbiased::Unbiased(const Scene& scene, const PassOne& pass_one, const PathLimits& limits)
+    : scene_(scene), solution_(pass_one.solution), guide_(pass_one.guide), limits_(limits) {
+  const bool is_limited = limits.max_depth >= 0 || is_clamped(limits);
+  returns_cached_ = solution_ != nullptr && !is_limited;
 }
 
 void Unbiased::trace(std::span<PathSample> samples, RayCounts& counts) const {
@@ -74,10 +61,7 @@ void Unbiased::trace(std::span<PathSample> samples, RayCounts& counts) const {
     if (returns_cached_ && std::holds_alternative<Diffuse>(vertex.bsdf()) &&
         !settle(vertex, reflected_radiance(vertex.bsdf(), solution_->irradiances()[element])))
       return Step::end;
-    if (guide_) {
-      const Guide::Lobe lobe = guide_->at(element, vertex.point().geometric_normal);
-      vertex.guide_by(lobe, share_of_guide(vertex, lobe));
-    }
+    if (guide_) vertex.guide_by(guide_->at(element, vertex.point().geometric_normal));
     return Step::light_and_scatter;
   });
 }

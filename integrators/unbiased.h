@@ -4,19 +4,18 @@
 #pragma once
 
 #include "integrators/integrator.h"
+#include "integrators/pass_one.h"
+#include "radiosity/guide.h"
 #include "radiosity/solution.h"
 
 namespace twopass {
 
-class Guide;
-
 class Unbiased final : public Integrator {
  public:
-  /// `solution` and `guide` may be null: then paths are ended as in the path tracer, and drawn as there. Limits
-  /// on the number of edges or on what a path may add have the paths ended as in the path tracer, too: the
-  /// solution knows nothing of them. REQUIRES: scene, solution and guide outlive the integrator; the guide is
-  /// of the solution.
-  Unbiased(const Scene& scene, const Solution* solution, const Guide* guide, const PathLimits& limits);
+  /// Without solution or guide, paths are ended as in the path tracer, or drawn as there. Limits on the number
+  /// of edges or on what a path may add have the paths ended as in the path tracer, too: the solution knows
+  /// nothing of them. REQUIRES: the scene outlives the integrator.
+  Unbiased(const Scene& scene, const PassOne& pass_one, const PathLimits& limits);
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:

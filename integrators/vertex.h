@@ -135,11 +135,10 @@ class Vertex {
     return has_settled_ || !is_long() || survives();
   }
 
-  /// Has leave() draw from the guide with the probability `share` (I11). REQUIRES: share 0 or a lobe that is
-  /// not empty.
-  void guide_by(const Guide::Lobe& guide, float share) {
+  /// Has leave() draw from a guide, with the probability that suits the surface (I11); an empty one: not at all.
+  void guide_by(const Guide::Lobe& guide) {
     guide_ = guide;
-    share_ = share;
+    share_ = share_of(guide);
   }
   /// Whether the path is subject to roulette, and the probability with which it would survive. The square of
   /// the index of refraction undoes the compression of radiance inside glass: it is no loss of importance.
@@ -178,6 +177,14 @@ class Vertex {
     if (carried_->last_was_specular) return 1.0f;
     const float light_pdf_w = scene_->lights().pdf_w(carried_->last_receiver, direction_, distance_, point_);
     return power_heuristic(carried_->last_pdf_w, light_pdf_w);
+  }
+
+  // Under one flat normal the cosine that the guide knows is all there is.
+  [[nodiscard]] float share_of(const Guide::Lobe& guide) const {
+    constexpr float share_of_mixed = 0.5f;
+    if (guide.empty()) return 0.0f;
+    if (std::holds_alternative<Diffuse>(*bsdf_) && point_.shading.n == point_.geometric_normal) return 1.0f;
+    return is_black(diffuse_reflectance(*bsdf_)) ? 0.0f : share_of_mixed;
   }
 
   bool survives() {

@@ -14,9 +14,11 @@ namespace twopass {
 /// cannot be split. REQUIRES: one irradiance an element.
 std::vector<double> misplaced_power(const ElementMesh& mesh, std::span<const Irradiance> irradiance);
 
-/// Chooses the elements with the largest misplaced power, at most `most`, and none of those that together
-/// misplace less than `negligible` of the total power. Equal powers are chosen in the order of elements.
+/// Chooses the elements that gain most by being split, at most `most`: their gain is the part of the total
+/// power that they misplace, and, where a picture is known of which the elements are the parts `seen` (empty:
+/// no picture), those parts times the contrast on them (R44). None of those that together gain less than
+/// `negligible`. Equals are chosen in the order of elements.
 std::vector<bool> elements_to_split(const ElementMesh& mesh, std::span<const Irradiance> irradiance,
-                                    std::size_t most, double negligible);
+                                    std::span<const double> seen, std::size_t most, double negligible);
 
 }  // namespace twopass

@@ -174,6 +174,13 @@ class Guide::Builder {
     return first_.size() - 1 <= options_.max_cells || size > 8.0f * max_component(scene_.bounds().size());
   }
 
+  [[nodiscard]] bool is_wanted(std::size_t cell) const {
+    if (options_.wanted.empty()) return true;
+    return std::any_of(members_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
+                       members_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]),
+                       [&](std::uint32_t e) { return options_.wanted[e]; });
+  }
+
   void fill() {
     const std::size_t cells = first_.size() - 1;
     guide_.cumulative_.resize(cells * stride);
@@ -189,15 +196,16 @@ class Guide::Builder {
   void fill_cell(std::uint32_t cell, std::uint64_t& rays) {
     const std::span<const std::uint32_t> members(members_.data() + first_[cell],
                                                  first_[cell + 1] - first_[cell]);
+    const auto leave_empty = [&] {
+      for (const std::uint32_t e : members) guide_.place_[e].sign = 0.0f;
+    };
+    if (!is_wanted(cell)) return leave_empty();
     const std::vector<C3f> radiance = radiances_at(cell, members, rays);
     // The mean square of the radiance that arrives from each bin, each channel in units of its mean: what
     // matters in a picture is relative (R42).
     C3d mean(0.0);
     for (const C3f& r : radiance) mean += C3d(r);
-    if (is_black(C3f(mean))) {
-      for (const std::uint32_t e : members) guide_.place_[e].sign = 0.0f;
-      return;
-    }
+    if (is_black(C3f(mean))) return leave_empty();
     mean *= 1.0 / static_cast<double>(radiance.size());
     C3f scale;
     for (int c = 0; c < 3; ++c) scale[c] = mean[c] > 0.0 ? static_cast<float>(1.0 / mean[c]) : 0.0f;

@@ -18,6 +18,8 @@ struct GuideOptions {
   /// Part of the density that is spread evenly, in (0, 1]: what the few rays have missed is found all the same.
   float uniform_share = 0.1f;
   std::uint32_t seed = 0;
+  /// By element: whether anyone will ask there; empty: everywhere. Cells where nobody asks have no guide.
+  std::vector<bool> wanted{};
 };
 
 /// For each cell (the elements of one cube of space that face nearly the same way) a histogram of the radiance

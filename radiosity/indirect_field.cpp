@@ -1,7 +1,10 @@
 #include "radiosity/indirect_field.h"
 
+#include <algorithm>
 #include <atomic>
+#include <optional>
 
+#include "radiosity/lamp_light.h"
 #include "radiosity/landing.h"
 #include "radiosity/smoothing.h"
 #include "radiosity/specular_path.h"
@@ -43,7 +46,7 @@ struct Gathered {
 
 // The cells around each vertex.
 struct Fans {
-  std::vector<std::uint32_t> first;                                  // by vertex, and the end
+  std::vector<std::uint32_t> first;                             // by vertex, and the end
   std::vector<std::pair<std::uint32_t, std::uint32_t>> corner;  // face and which of its corners
 
   Fans(const VertexMesh& vertices) : first(vertices.count() + 1, 0) {
@@ -78,19 +81,29 @@ class Gathering {
   // known.
   [[nodiscard]] Gathered at(std::uint32_t vertex, double direct, const IndirectFieldOptions& options,
                             std::uint64_t& rays) const {
-    Gathered sum;
     const auto fan = fans_.of(vertex);
-    if (fan.empty()) return sum;
-    std::uint32_t k = 0;
-    for (std::uint32_t count = options.least_rays; count <= options.most_rays; count *= 2) {
-      for (; k < count; ++k) {
-        const auto& [face, corner] = fan[k % fan.size()];
-        Sampler sampler(options.seed, vertex, k);
-        if (can_gather_at(face)) add_ray(face, corner, sampler, sum, rays);
-      }
-      if (sum.noise() <= options.noise * (direct + brightness(sum.mean()))) break;
-    }
-    return sum;
+    if (fan.empty()) return {};
+    return gather(direct, options, [&](std::uint32_t k, Gathered& sum) {
+      const auto& [face, corner] = fan[k % fan.size()];
+      const std::array<std::uint32_t, 3>& at = vertices_.faces().corner[face];
+      const std::array<V3d, 3> part{position(at[corner]), position(at[(corner + 1) % 3]),
+                                    position(at[(corner + 2) % 3])};
+      Sampler sampler(options.seed, vertex, k);
+      add_ray(face, part, near_corner, sampler, sum, rays);
+    });
+  }
+
+  // The same from the inner quarter of a face: of what is linear on it, the mean over its corners.
+  [[nodiscard]] Gathered in_the_middle(std::uint32_t face, double direct, const IndirectFieldOptions& options,
+                                       std::uint64_t& rays) const {
+    const std::array<std::uint32_t, 3>& at = vertices_.faces().corner[face];
+    std::array<V3d, 3> part{position(at[0]), position(at[1]), position(at[2])};
+    const V3d middle = (part[0] + part[1] + part[2]) / 3.0;
+    for (V3d& corner : part) corner = (corner + middle) * 0.5;
+    return gather(direct, options, [&](std::uint32_t k, Gathered& sum) {
+      Sampler sampler(~options.seed, face, k);
+      add_ray(face, part, 1.0f, sampler, sum, rays);
+    });
   }
 
  private:
@@ -98,18 +111,31 @@ class Gathering {
   [[nodiscard]] bool can_gather_at(std::uint32_t face) const {
     return !mesh_.is_analytic(mesh_.root(face).shape) && mesh_.area(face) > 0.0;
   }
-  void add_ray(std::uint32_t face, std::uint32_t corner, Sampler& sampler, Gathered& sum,
+  [[nodiscard]] V3d position(std::uint32_t vertex) const { return V3d(vertices_.position(vertex)); }
+
+  template <class AddRay>
+  [[nodiscard]] static Gathered gather(double direct, const IndirectFieldOptions& options,
+                                       const AddRay& add_ray) {
+    Gathered sum;
+    std::uint32_t k = 0;
+    for (std::uint32_t count = options.least_rays; count <= options.most_rays; count *= 2) {
+      for (; k < count; ++k) add_ray(k, sum);
+      if (sum.noise() <= options.noise * (direct + brightness(sum.mean()))) break;
+    }
+    return sum;
+  }
+
+  // A ray from the face, out of the part of a triangle that lies within `reach` of its first corner.
+  void add_ray(std::uint32_t face, const std::array<V3d, 3>& part, float reach, Sampler& sampler, Gathered& sum,
                std::uint64_t& rays) const {
+    if (!can_gather_at(face)) return;
     const Patch patch = mesh_.patch(face);
-    const std::array<std::uint32_t, 3>& at = vertices_.faces().corner[face];
-    const V3d here(vertices_.position(at[corner])), next(vertices_.position(at[(corner + 1) % 3])),
-        last(vertices_.position(at[(corner + 2) % 3]));
-    const V2f p = square_to_triangle(sampler.next_2d()) * near_corner;
-    const ElementPoint start{here + (next - here) * static_cast<double>(p.x) + (last - here) * static_cast<double>(p.y),
+    const V2f p = square_to_triangle(sampler.next_2d()) * reach;
+    const ElementPoint start{part[0] + (part[1] - part[0]) * static_cast<double>(p.x) +
+                                 (part[2] - part[0]) * static_cast<double>(p.y),
                              patch.normal, patch.offset};
     const V3f normal(patch.normal);
-    const Ray ray{start.ray_position(),
-                  Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
+    const Ray ray{start.ray_position(), Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
     const Landing landing = element_rays_.cast(ray, normal, mesh_.size(face), sampler, rays);
     if (landing.kind == Landing::buried) return;
     ++sum.rays;
@@ -120,7 +146,8 @@ class Gathering {
       const SpecularPathEnd end = follow_specular(scene_, ray, landing.point, Carried::radiance, sampler);
       rays += end.rays;
       if (is_black(end.weight)) return;
-      const C3f lamp = end.escaped ? scene_.environment().radiance(end.direction) : scene_.emitted_radiance(end.point);
+      const C3f lamp =
+          end.escaped ? scene_.environment().radiance(end.direction) : scene_.emitted_radiance(end.point);
       sum.sees_caustic = sum.sees_caustic || !is_black(end.weight * lamp);
       const std::uint32_t element = end.escaped ? no_index : mesh_.find(end.point);
       if (element != no_index) found = C3d(end.weight) * radiosity_[element];
@@ -138,17 +165,22 @@ class Gathering {
   std::vector<C3d> radiosity_;  // reflected, by element
 };
 
-// (R40): the error that a look-up on the face may have, relative to all the light there. `smooth`: at the
+// (R40): the error that a look-up on the face may have, relative to all the light there, of which
+// `least_direct` is direct; infinite where linear interpolation is out of the question. `smooth`: at the
 // vertices.
-double error_of(const ElementMesh& mesh, std::uint32_t face, const VertexMesh& vertices,
-                std::span<const Gathered> gathered, std::span<const Irradiance> smooth) {
+struct Doubt {
+  double error, least_direct;
+};
+Doubt doubt_of(const ElementMesh& mesh, std::uint32_t face, const VertexMesh& vertices,
+               std::span<const Gathered> gathered, std::span<const Irradiance> smooth) {
   constexpr double no_trust = std::numeric_limits<double>::infinity();
-  if (mesh.area(face) < whole * mesh.whole_area(face)) return no_trust;
+  constexpr Doubt never{no_trust, 0.0};
+  if (mesh.area(face) < whole * mesh.whole_area(face)) return never;
   const std::array<std::uint32_t, 3>& at = vertices.faces().corner[face];
   double longest = 0.0, nearness = 0.0, noise = 0.0, low = no_trust, high = 0.0, direct = no_trust;
   for (std::size_t k = 0; k < 3; ++k) {
     const Gathered& g = gathered[at[k]];
-    if (g.rays == 0 || g.sees_caustic) return no_trust;
+    if (g.rays == 0 || g.sees_caustic) return never;
     const V3d edge = V3d(vertices.position(at[(k + 1) % 3])) - V3d(vertices.position(at[k]));
     longest = std::max(longest, edge.length());
     nearness = std::max(nearness, g.inverse_distance / g.rays);
@@ -157,10 +189,42 @@ double error_of(const ElementMesh& mesh, std::uint32_t face, const VertexMesh& v
     high = std::max(high, brightness(g.mean()));
     direct = std::min(direct, brightness(C3d(smooth[at[k]].direct)));
   }
-  if (high > most_contrast * low) return no_trust;
-  if (high == 0.0) return 0.0;
+  if (high > most_contrast * low) return never;
+  if (high == 0.0) return {0.0, direct};
   const double bend = longest * nearness;
-  return (high * bend * bend / 8.0 + noise) / (direct + low);
+  return {(high * bend * bend / 8.0 + noise) / (direct + low), direct};
+}
+
+using Corners = std::array<C3f, 3>;
+bool is_black(const Corners& corners) {
+  return std::all_of(corners.begin(), corners.end(), [](const C3f& c) { return twopass::is_black(c); });
+}
+
+// (R43): what the lamps send to the corners of a flat patch, if that is certain and linear in between but for
+// the given part of all the light. `indirect`: at the corners.
+std::optional<Corners> direct_of(const Patch& patch, const LampLight& lamps, const Corners& indirect,
+                                 double tolerance) {
+  if (patch.is_analytic() || !(patch.area > 0.0)) return std::nullopt;
+  const auto seen = lamps.seen_from(patch.polygon());
+  if (!seen) return std::nullopt;
+  std::array<C3d, 3> at;
+  for (std::size_t k = 0; k < 3; ++k) at[k] = lamps.irradiance(patch.corner[k], patch.normal, *seen);
+  const auto is_linear_at = [&](const V3d& weight) {
+    V3d point(0.0);
+    C3d linear(0.0), others(0.0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double w = weight[static_cast<int>(k)];
+      point += patch.corner[k] * w;
+      linear += at[k] * w;
+      others += C3d(indirect[k]) * w;
+    }
+    const C3d truth = lamps.irradiance(point, patch.normal, *seen);
+    return brightness(C3d(std::abs(linear.x - truth.x), std::abs(linear.y - truth.y),
+                          std::abs(linear.z - truth.z))) <= tolerance * brightness(truth + others);
+  };
+  const V3d middles[] = {V3d(0.5, 0.5, 0), V3d(0, 0.5, 0.5), V3d(0.5, 0, 0.5), V3d(1.0 / 3.0)};
+  if (*seen != 0 && !std::all_of(std::begin(middles), std::end(middles), is_linear_at)) return std::nullopt;
+  return Corners{C3f(at[0]), C3f(at[1]), C3f(at[2])};
 }
 
 // What a hanging vertex has: as much of two others as the larger element interpolates there.
@@ -193,22 +257,50 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
       if (!hangs[v]) gathered[v] = gathering.at(v, brightness(C3d(smooth[v].direct)), options, cast);
     rays += cast;
   });
-  rays_ = rays;
   for (const VertexMesh::Hanging& h : vertices.hanging())
     gathered[h.vertex] = between(gathered[h.from], gathered[h.to], static_cast<double>(h.t));
 
   const auto faces = static_cast<std::uint32_t>(vertices.faces().cells);
+  const LampLight lamps(scene);
   value_.resize(faces);
-  trusted_.resize(faces);
-  double area = 0.0, trusted_area = 0.0;
+  known_.resize(faces, Known::nothing);
+  // What (R40) doubts is looked at: its distances are those from corners, where walls that meet are always
+  // near.
+  const auto is_trusted = [&](std::uint32_t f, std::uint64_t& cast) {
+    const Doubt doubt = doubt_of(*mesh_, f, vertices, gathered, smooth);
+    if (doubt.error <= options.tolerance) return true;
+    if (!std::isfinite(doubt.error)) return false;
+    const Gathered middle = gathering.in_the_middle(f, doubt.least_direct, options, cast);
+    if (middle.rays == 0 || middle.sees_caustic) return false;
+    C3d linear(0.0);
+    for (const std::uint32_t v : vertices.faces().corner[f]) linear += gathered[v].mean() / 3.0;
+    const C3d found = middle.mean(), off = linear - found;
+    return brightness(C3d(std::abs(off.x), std::abs(off.y), std::abs(off.z))) <=
+           options.middle_tolerance * (doubt.least_direct + brightness(found));
+  };
+  parallel_for(faces, 64, [&](std::size_t begin, std::size_t end) {
+    throw_if_interrupted();
+    std::uint64_t cast = 0;
+    for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
+      const std::array<std::uint32_t, 3>& corner = vertices.faces().corner[f];
+      for (std::size_t k = 0; k < 3; ++k) value_[f][k] = C3f(gathered[corner[k]].mean());
+      const bool trusted = is_trusted(f, cast);
+      const auto direct = lamps.is_known()
+                              ? direct_of(mesh_->patch(f), lamps, value_[f], options.direct_tolerance)
+                              : std::nullopt;
+      if (trusted) known_[f] = direct ? Known::all : Known::indirect;
+      if (!trusted && direct && is_black(*direct)) known_[f] = Known::no_direct;
+      if (trusted && direct)
+        for (std::size_t k = 0; k < 3; ++k) value_[f][k] += (*direct)[k];
+    }
+    rays += cast;
+  });
+  rays_ = rays;
+  double area = 0.0;
   for (std::uint32_t f = 0; f < mesh_->count(); ++f) area += mesh_->area(f);
-  for (std::uint32_t f = 0; f < faces; ++f) {
-    const std::array<std::uint32_t, 3>& corner = vertices.faces().corner[f];
-    for (std::size_t k = 0; k < 3; ++k) value_[f][k] = C3f(gathered[corner[k]].mean());
-    trusted_[f] = error_of(*mesh_, f, vertices, gathered, smooth) <= options.tolerance;
-    if (trusted_[f]) trusted_area += mesh_->area(f);
-  }
-  trusted_share_ = area > 0.0 ? trusted_area / area : 0.0;
+  for (std::uint32_t f = 0; f < faces && area > 0.0; ++f)
+    for (int k = 0; k <= static_cast<int>(known_[f]); ++k)
+      share_[static_cast<std::size_t>(k)] += mesh_->area(f) / area;
 }
 
 }  // namespace twopass

@@ -2,8 +2,6 @@
 // judgement where that is enough.
 #pragma once
 
-#include <optional>
-
 #include "radiosity/solution.h"
 
 namespace twopass {
@@ -12,40 +10,65 @@ struct IndirectFieldOptions {
   /// Largest error that a look-up may have by estimate (R40), relative to all the light at the place. The
   /// estimate is pessimistic: what is measured is a tenth of it and less.
   double tolerance = 0.25;
+  /// Where the estimate is larger: what may be between interpolation and what rays from the middle find (R40).
+  double middle_tolerance = 0.05;
   /// Rays from a corner: doubled until the mean is known to this part of all the light there.
-  double noise = 0.03;
+  double noise = 0.02;
+  /// Largest error of direct light that is looked up, too (R43), relative to all the light there.
+  double direct_tolerance = 0.005;
   std::uint32_t least_rays = 64, most_rays = 512;
   std::uint32_t seed = 0;
 };
 
+/// What need not be found by rays at a point.
+enum class Known : std::uint8_t {
+  nothing,
+  no_direct,  ///< it is certain that no lamp shines there
+  indirect,   ///< the light of diffuse surfaces
+  all         ///< with the light of the lamps
+};
+
 /// What diffuse surfaces send to each point of flat elements, interpolated linearly between their corners. The
 /// solution itself is constant on elements and noisy; one more gathering step, by rays from the corners, is
-/// neither (R39). Where that still is too coarse (contacts, thin obstacles, caustics) it says so, and a gather ray
-/// has to do it (R40). Const and thread-safe once built; the same bits on any number of threads.
+/// neither (R39). Where that still is too coarse (contacts, thin obstacles, caustics) it says so, and a gather
+/// ray has to do it (R40). Where it is certain what flat lamps send as well, that is part of it (R43). Const
+/// and thread-safe once built; the same bits on any number of threads.
 class IndirectField {
  public:
   /// REQUIRES: scene and solution outlive the field. Throws Interrupted when the user stops it.
   IndirectField(const Scene& scene, const Solution& solution, const IndirectFieldOptions& options = {});
 
-  /// Irradiance from diffuse surfaces, straight or over specular ones, on the viewer's side, W/m2; nothing where
-  /// it cannot be trusted.
-  [[nodiscard]] std::optional<C3f> at(const SurfacePoint& point) const {
+  struct LookUp {
+    Known known = Known::nothing;
+    C3f irradiance{0.0f};  ///< of what is known, W/m2
+  };
+  /// On the viewer's side. What diffuse surfaces send includes what comes from them over specular ones.
+  [[nodiscard]] LookUp at(const SurfacePoint& point) const {
     const ElementMesh::Location location = mesh_->locate(point);
-    if (location.element >= trusted_.size() || !trusted_[location.element]) return std::nullopt;
-    const std::array<C3f, 3>& corner = value_[location.element];
-    return corner[0] + (corner[1] - corner[0]) * location.u + (corner[2] - corner[0]) * location.v;
+    if (location.element >= known_.size()) return {};
+    LookUp found{known_[location.element]};
+    if (found.known >= Known::indirect) {
+      const std::array<C3f, 3>& corner = value_[location.element];
+      found.irradiance =
+          corner[0] + (corner[1] - corner[0]) * location.u + (corner[2] - corner[0]) * location.v;
+    }
+    return found;
   }
 
-  /// The part of the elements' area where it is trusted, in [0, 1].
-  [[nodiscard]] double trusted_share() const { return trusted_share_; }
+  /// Of an element; nothing of those that are no cells.
+  [[nodiscard]] Known known(std::uint32_t element) const {
+    return element < known_.size() ? known_[element] : Known::nothing;
+  }
+  /// The part of the elements' area where so much or more is known, in [0, 1].
+  [[nodiscard]] double share(Known least) const { return share_[static_cast<std::size_t>(least)]; }
   /// All rays cast.
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
  private:
   const ElementMesh* mesh_;
   std::vector<std::array<C3f, 3>> value_;  // by face: at its corners
-  std::vector<std::uint8_t> trusted_;      // by face: elements that are cells
-  double trusted_share_ = 0.0;
+  std::vector<Known> known_;               // by face: elements that are cells
+  std::array<double, 4> share_{};
   std::uint64_t rays_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/core/names.h"
+#include "render/scene/ray.h"
 
 namespace twopass {
 
@@ -77,6 +78,9 @@ struct RadiosityOptions {
   /// pictures need fewer, and all need fewer rays for their form factors, where everything else is left to the
   /// program. 0: the solution itself will be seen.
   std::size_t gathered_pixels = 0;
+  /// Camera rays, evenly over that picture: adaptive subdivision looks at what they see as well as at where the
+  /// power is. Empty: the solution is for any view.
+  std::vector<Ray> view{};
   Subdivision subdivision = Subdivision::automatic;
   /// Rays an element, for the method `rays`, for what is seen through specular surfaces and for the solver
   /// `stochastic`; 0: chosen, for `stochastic` so that its noise is within `relative_error`, too.

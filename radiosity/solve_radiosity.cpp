@@ -3,6 +3,7 @@
 #include "radiosity/hierarchical.h"
 #include "radiosity/solution.h"
 #include "radiosity/solvers.h"
+#include "radiosity/specular_path.h"
 #include "radiosity/stochastic.h"
 #include "radiosity/subdivision.h"
 #include "render/core/error.h"
@@ -15,8 +16,8 @@ namespace {
 // way round. Detailed scenes get one element for eight sides of triangles, up to the limit.
 constexpr std::size_t least_elements_rays = 8192, most_elements_rays = 262144;
 constexpr std::size_t default_elements_analytic = 1500;
-// For pictures that are gathered: an element for 64 pixels, 64 rays an element. Measured in the Cornell box, the
-// cove and the hidden room: pass one takes half the time, the bias of the picture stays within .5 %.
+// For pictures that are gathered: an element for 64 pixels, 64 rays an element. Measured in the Cornell box,
+// the cove and the hidden room: pass one takes half the time, the bias of the picture stays within .5 %.
 constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048;
 constexpr std::uint32_t rays_of_a_gathered_element = 64;
 // Adaptive substructuring starts with this part of the elements, and its pilot solutions, which only have to
@@ -194,20 +195,53 @@ std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const Ra
   return solve_with_form_factors(scene, mesh, options, choice, stats);
 }
 
+// What the rays of a view see first that is not specular.
+std::vector<SurfacePoint> seen_by(const Scene& scene, const RadiosityOptions& options, RadiosityStats& stats) {
+  std::vector<Hit> hits(options.view.size());
+  scene.caster().intersect(options.view, hits, Rays::coherent);
+  stats.rays += options.view.size();
+  std::vector<SurfacePoint> points;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    if (hits[k].escaped()) continue;
+    const SurfacePoint point = scene.surface_point(options.view[k], hits[k]);
+    if (!scene.side(point).scatters_without_diffusing()) {
+      points.push_back(point);
+      continue;
+    }
+    Sampler sampler(options.seed, 0, static_cast<std::uint32_t>(k));
+    const SpecularPathEnd end = follow_specular(scene, options.view[k], point, Carried::radiance, sampler);
+    stats.rays += end.rays;
+    if (!end.escaped && !is_black(end.weight)) points.push_back(end.point);
+  }
+  return points;
+}
+
+// Of each element, the part of the points that lie on it; nothing without points.
+std::vector<double> parts_of(const ElementMesh& mesh, std::span<const SurfacePoint> points) {
+  std::vector<double> parts;
+  if (points.empty()) return parts;
+  parts.resize(mesh.count(), 0.0);
+  for (const SurfacePoint& point : points)
+    if (const std::uint32_t element = mesh.find(point); element != no_index)
+      parts[element] += 1.0 / static_cast<double>(points.size());
+  return parts;
+}
+
 // Refines the coarse elements where solutions on them say that it matters, up to the number allowed.
 ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
                               const Choice& choice, RadiosityStats& stats) {
   RadiosityOptions pilot = options;
   if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
   const Choice pilot_choice{choice.method, Solver::automatic, choice.max_elements, true, false};
+  const std::vector<SurfacePoint> seen = seen_by(scene, options, stats);
   while (mesh.count() + 3 <= choice.max_elements) {
     RadiosityStats pilot_stats;
     const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, pilot_choice, pilot_stats);
     stats.rays += pilot_stats.rays;
     // A round at most doubles the number, so that the next one is better informed.
     const std::size_t room = std::min(choice.max_elements - mesh.count(), mesh.count()) / 3;
-    const std::vector<bool> chosen =
-        elements_to_split(mesh, irradiance, std::max<std::size_t>(1, room), options.relative_error);
+    const std::vector<bool> chosen = elements_to_split(mesh, irradiance, parts_of(mesh, seen),
+                                                       std::max<std::size_t>(1, room), options.relative_error);
     ElementMesh finer = mesh.split(chosen);
     if (finer.count() == mesh.count()) break;
     mesh = std::move(finer);

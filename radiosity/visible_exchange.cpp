@@ -1,5 +1,7 @@
 #include "radiosity/visible_exchange.h"
 
+#include <algorithm>
+
 #include "radiosity/form_factor_pair.h"
 #include "radiosity/lambert.h"
 #include "radiosity/polygon_cubature.h"
@@ -353,6 +355,37 @@ bool Blockers::none_between(const Polygon& a, const Polygon& b) const {
   return PairInSight(*this)
       .between(clip(a, b.v[0], polygon_area_vector(b)), clip(b, a.v[0], polygon_area_vector(a)))
       .empty();
+}
+
+// The segments between two convex polygons cross a plane that separates them in points that are convex
+// combinations of where those between their corners do, so that it is enough to look at these.
+bool Blockers::one_hides(const Polygon& a, const Polygon& b) const {
+  const auto separates = [&](std::size_t k, double side) {
+    const auto beyond = [&](const Polygon& polygon, double sign) {
+      return std::all_of(polygon.v.begin(), polygon.v.begin() + polygon.n,
+                         [&](const V3d& p) { return sign * normal_[k].dot(p - polygon_[k].v[0]) > rounding_; });
+    };
+    return beyond(a, side) && beyond(b, -side);
+  };
+  const auto holds = [&](std::size_t k, const V3d& p, const V3d& q) {
+    const double at = normal_[k].dot(polygon_[k].v[0] - p) / normal_[k].dot(q - p);
+    const V3d crossing = p + (q - p) * at;
+    for (int i = 0; i < polygon_[k].n; ++i) {
+      const V3d edge = polygon_[k].next(i) - polygon_[k].v[i];
+      if (!(normal_[k].dot(edge.cross(crossing - polygon_[k].v[i])) > rounding_ * edge.length())) return false;
+    }
+    return true;
+  };
+  const auto hides = [&](std::size_t k) {
+    if (!separates(k, 1.0) && !separates(k, -1.0)) return false;
+    for (int i = 0; i < a.n; ++i)
+      for (int j = 0; j < b.n; ++j)
+        if (!holds(k, a.v[i], b.v[j])) return false;
+    return true;
+  };
+  for (std::size_t k = 0; k < polygon_.size(); ++k)
+    if (hides(k)) return true;
+  return false;
 }
 
 double Blockers::visible_exchange(const Polygon& a, const Polygon& b, double unoccluded,

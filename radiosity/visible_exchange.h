@@ -20,6 +20,10 @@ class Blockers {
   /// Whether nothing at all reaches between the fronts of two polygons: then all of their exchange is visible.
   [[nodiscard]] bool none_between(const Polygon& a, const Polygon& b) const;
 
+  /// Whether one of the polygons alone comes between every point of a and every point of b: then nothing of b
+  /// is visible from a. Sure when true; where several hide b together it is false.
+  [[nodiscard]] bool one_hides(const Polygon& a, const Polygon& b) const;
+
   /// A_a F_ab = A_b F_ba between the fronts of two polygons of at most four corners, past all blockers (R26),
   /// in units of area. `unoccluded` is what they exchange without any. The error is about `accuracy` times
   /// `unoccluded`; pairs with nothing between them come back as they are. Blockers that lie in the plane of a

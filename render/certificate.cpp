@@ -15,25 +15,27 @@ constexpr std::uint32_t batches = 32;
 constexpr double student_t = 2.0395;
 constexpr std::uint32_t pilot_samples = 64;  // a batch
 constexpr std::uint32_t most_samples = 1u << 24;
+// Samples on which the integrators disagree, without which the scatter of the batches means nothing.
+constexpr std::uint64_t least_different = 32;
 // So that the samples are none of the picture's.
 constexpr std::uint32_t own_seeds = 0x9d5c0f3bu;
 
 struct Sums {
   double biased = 0.0, unbiased = 0.0;
+  std::uint64_t different = 0;  // samples
   RayCounts counts;
   void add(const Sums& other) {
     biased += other.biased;
     unbiased += other.unbiased;
+    different += other.different;
     counts.rays += other.counts.rays;
     counts.shadow_rays += other.counts.shadow_rays;
   }
 };
 
-double total(std::span<const PathSample> samples) {
-  double sum = 0.0;
-  for (const PathSample& sample : samples)
-    if (const double value = mean_component(sample.seen.radiance); std::isfinite(value)) sum += value;
-  return sum;
+double seen_by(const PathSample& sample) {
+  const double value = mean_component(sample.seen.radiance);
+  return std::isfinite(value) ? value : 0.0;
 }
 
 // Samples [begin, end) of a batch. A batch is one sequence of Sobol points over picture and paths, scrambled by
@@ -52,8 +54,12 @@ Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, 
   Sums sums;
   job.biased.trace(samples, sums.counts);
   job.unbiased.trace(same, sums.counts);
-  sums.biased = total(samples);
-  sums.unbiased = total(same);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double biased = seen_by(samples[i]), unbiased = seen_by(same[i]);
+    sums.biased += biased;
+    sums.unbiased += unbiased;
+    if (biased != unbiased) ++sums.different;
+  }
   return sums;
 }
 
@@ -78,7 +84,7 @@ bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end
 std::optional<Certificate> conclude(const std::array<Sums, batches>& of_batch, std::uint32_t samples) {
   Sums all;
   for (const Sums& sums : of_batch) all.add(sums);
-  if (!(all.unbiased > 0.0)) return std::nullopt;
+  if (all.different < least_different || !(all.unbiased > 0.0)) return std::nullopt;
   Certificate result;
   result.mean = (all.biased - all.unbiased) / all.unbiased;
   double squares = 0.0;
@@ -99,10 +105,10 @@ std::optional<Certificate> certify(const CertificateJob& job) {
   std::array<Sums, batches> of_batch{};
   if (!trace_all(job, 0, pilot_samples, of_batch)) return std::nullopt;
   const std::optional<Certificate> pilot = conclude(of_batch, pilot_samples);
-  if (!pilot) return pilot;
   // How many is decided once: samples that are added until the interval looks good would make it look too good.
-  const double rays = static_cast<double>(pilot->counts.rays + pilot->counts.shadow_rays);
-  const double wanted = std::pow(pilot->ci95 / job.close_enough, 2.0);
+  double rays = 0.0;
+  for (const Sums& sums : of_batch) rays += static_cast<double>(sums.counts.rays + sums.counts.shadow_rays);
+  const double wanted = pilot ? std::pow(pilot->ci95 / job.close_enough, 2.0) : infinity_f;
   const double factor = std::min({wanted, job.most_rays / rays, double{most_samples} / pilot_samples});
   const auto samples = static_cast<std::uint32_t>(pilot_samples * std::max(factor, 1.0));
   if (samples > pilot_samples && !trace_all(job, pilot_samples, samples, of_batch)) return std::nullopt;

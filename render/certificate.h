@@ -30,7 +30,9 @@ struct Certificate {
 };
 
 /// Both integrators see the same camera rays and draw the same random numbers, so that what they do alike
-/// cancels (I13). The same on any number of threads. None where the picture is black or the user interrupts.
+/// cancels (I13). The same on any number of threads. None where the user interrupts, or where nothing can be
+/// said: fewer than 32 samples differed, because the picture is black but for a few places, or hardly reads a
+/// solution.
 std::optional<Certificate> certify(const CertificateJob& job);
 
 }  // namespace twopass

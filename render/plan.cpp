@@ -1,5 +1,7 @@
 #include "render/plan.h"
 
+#include "integrators/clamp.h"
+
 namespace twopass {
 
 SceneNeeds needs_of(const SceneDescription& scene) {
@@ -32,10 +34,17 @@ Plan plan_render(const SceneNeeds& needs, IntegratorKind integrator, const PathL
     skip("paths are too short to read it");
   else
     plan.radiosity_pass = true;
-  // Under a sky gather rays pay twice: they find the sky, too.
-  plan.indirect_field = plan.radiosity_pass && integrator == IntegratorKind::two_pass && !needs.sky;
-  if (plan.radiosity_pass && integrator == IntegratorKind::two_pass && needs.sky)
-    plan.skipped.push_back({"look-ups of indirect light", "gather rays are needed to find the sky"});
+  if (plan.radiosity_pass && integrator == IntegratorKind::two_pass) {
+    // Under a sky gather rays pay twice: they find the sky, too.
+    const char* why = needs.sky            ? "gather rays are needed to find the sky"
+                      : is_clamped(limits) ? "clamps are for single paths"
+                                           : nullptr;
+    if (why)
+      plan.skipped.push_back({"look-ups of indirect light", why});
+    else
+      plan.indirect_field = true;
+  }
+  plan.guide = plan.radiosity_pass && is_guided(integrator);
   return plan;
 }
 

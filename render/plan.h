@@ -23,6 +23,7 @@ SceneNeeds needs_of(const SceneDescription& scene);
 struct Plan {
   bool radiosity_pass = false;
   bool indirect_field = false;  ///< with it: what need not be gathered is looked up (radiosity, R39)
+  bool guide = false;           ///< with it: directions are drawn where light comes from (radiosity, R41)
   std::vector<Skipped> skipped;
 };
 /// What the integrator needs of the scene. The picture is the same with and without what is skipped.

@@ -126,6 +126,12 @@ int SampleShares::step_for(double relmse, int from, double most) const {
   return step;
 }
 
+// A million samples tell how noisy a picture is, however many pixels they belong to; but four of each.
+SamplePlan::SamplePlan(const SamplingGoal& goal, const Film& film)
+    : goal_(goal), film_(film), pilot_samples_(16) {
+  while (pilot_samples_ > 4 && pilot_samples_ / 2 * pixels() >= 0x1p20) pilot_samples_ /= 2;
+}
+
 SamplePlan::SamplePlan(const SamplingGoal& goal, const Film& film, const PlanState& state)
     : goal_(goal),
       film_(film),
@@ -177,7 +183,7 @@ bool SamplePlan::next() {
 // Passes are the batches of the error estimate: enough of them to be one, few enough to cost nothing.
 bool SamplePlan::next_uniform() {
   const double wanted = goal_.relative_error > 0.0 || goal_.samples_per_pixel == 0
-                            ? 8.0
+                            ? std::clamp(before_, pilot_samples_ / 2.0, 8.0)
                             : std::clamp(std::floor(limit() / 8.0), 1.0, 16.0);
   after_ = std::min(before_ + wanted, limit());
   return after_ > before_;

@@ -90,7 +90,7 @@ struct PlanState {
 class SamplePlan {
  public:
   /// REQUIRES: goal and film outlive the plan; the film is empty, and filled by what the plan says alone.
-  SamplePlan(const SamplingGoal& goal, const Film& film) : goal_(goal), film_(film) {}
+  SamplePlan(const SamplingGoal& goal, const Film& film);
   /// Goes on where another plan has stood. REQUIRES: the film is as that plan left it, but the pass that it was in
   /// may have been rendered only for some of the pixels.
   SamplePlan(const SamplingGoal& goal, const Film& film, const PlanState& state);
@@ -121,7 +121,7 @@ class SamplePlan {
   const Film& film_;
   std::vector<SampleShares> shares_;  // none before the end of the pilot
   int step_ = 0;
-  int pilot_samples_ = 16;
+  int pilot_samples_;
   double before_ = 0.0, after_ = 0.0, error_ = std::numeric_limits<double>::infinity();
   std::string stop_reason_;
 };

@@ -22,6 +22,7 @@ struct RenderStatistics {
   std::string integrator, sampler;
   std::string clamped;  ///< what was clamped, in words; empty: nothing
   std::optional<Certificate> bias;
+  bool bias_not_measured = false;  ///< although it was tried
   int width = 0, height = 0;
   std::uint64_t samples = 0;
   RenderOutcome outcome;

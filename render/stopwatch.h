@@ -9,6 +9,9 @@ struct Elapsed {
   double seconds = 0.0;      ///< wall clock
   double cpu_seconds = 0.0;  ///< user and system time of the whole process, all threads
 };
+inline Elapsed operator+(const Elapsed& a, const Elapsed& b) {
+  return {a.seconds + b.seconds, a.cpu_seconds + b.cpu_seconds};
+}
 
 class Stopwatch {
  public:

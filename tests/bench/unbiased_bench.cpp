@@ -88,8 +88,10 @@ void run(const std::string& file, const Settings& settings) {
   std::vector<std::unique_ptr<Integrator>> integrators;
   std::vector<Result> results(std::size(kinds));
   for (std::size_t i = 0; i < results.size(); ++i) {
-    integrators.push_back(make_integrator(kinds[i], scene, reads_solution(kinds[i]) ? &solution : nullptr,
-                                          nullptr, limits, is_guided(kinds[i]) ? &guide : nullptr));
+    integrators.push_back(make_integrator(
+        kinds[i], scene,
+        {reads_solution(kinds[i]) ? &solution : nullptr, nullptr, is_guided(kinds[i]) ? &guide : nullptr},
+        limits));
     results[i].before = (reads_solution(kinds[i]) ? radiosity : 0.0) + (is_guided(kinds[i]) ? guiding : 0.0);
   }
   for (int k = 0; k < settings.renders; ++k)

@@ -92,8 +92,8 @@ TEST_P(FamiliesTest, TwoPassCarriesTheFamilyOnce) {
   options.rays_per_element = 512;
   options.relative_error = 1e-3;
   const Solution solution = solve_radiosity(scene, options);
-  const auto two_pass = make_integrator(IntegratorKind::two_pass, scene, &solution, {});
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {});
+  const auto two_pass = make_integrator(IntegratorKind::two_pass, scene, {&solution}, {});
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {});
   const test::Estimate ours = test::mean_radiance(*two_pass, c.origin, c.axis, c.cos_half_angle, 100000, 1);
   const test::Estimate truth = test::mean_radiance(*path, c.origin, c.axis, c.cos_half_angle, 200000, 2);
   ASSERT_GT(truth.mean(), 0.0) << "the family must be there at all";
@@ -117,8 +117,8 @@ TEST(Families, EveryLengthOfPathIsCarriedOnce) {
     const PathLimits limits{depth, 5, false};
     const Solution solution = solve_radiosity(scene, options);
     const auto two_pass =
-        make_integrator(IntegratorKind::two_pass, scene, depth >= 3 ? &solution : nullptr, limits);
-    const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, limits);
+        make_integrator(IntegratorKind::two_pass, scene, {depth >= 3 ? &solution : nullptr}, limits);
+    const auto path = make_integrator(IntegratorKind::path, scene, {}, limits);
     const test::Estimate ours = test::mean_radiance(*two_pass, V3f(0.5f), V3f(0, 0.5f, -1), 0.0f, 60000, 1);
     const test::Estimate truth = test::mean_radiance(*path, V3f(0.5f), V3f(0, 0.5f, -1), 0.0f, 120000, 2);
     EXPECT_NEAR(ours.mean(), truth.mean(),

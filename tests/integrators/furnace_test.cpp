@@ -39,7 +39,7 @@ TEST_P(FurnaceTest, RadianceIsTheSameEverywhere) {
   options.relative_error = 1e-5;
   std::optional<Solution> solution;
   if (reads_solution(GetParam().kind)) solution.emplace(solve_radiosity(scene, options));
-  const auto integrator = make_integrator(GetParam().kind, scene, solution ? &*solution : nullptr, {});
+  const auto integrator = make_integrator(GetParam().kind, scene, {solution ? &*solution : nullptr}, {});
   // Both hemispheres from two places.
   for (const V3f& origin : {V3f(0.5f, 0.3f, 0.5f), V3f(0.9f, 0.9f, 0.9f)})
     for (const V3f& axis : {V3f(0, 0.6f, -0.8f), V3f(0, -0.6f, 0.8f)}) {

@@ -114,7 +114,7 @@ TEST_P(OpenFurnaceTest, WhatLosesNothingIsInvisible) {
   for (const IntegratorKind integrator_kind : {IntegratorKind::path, IntegratorKind::two_pass}) {
     // The solution lets no light through holes: what it holds of the inside of a white mask is too dark.
     if (integrator_kind == IntegratorKind::two_pass && !GetParam().is_held_by_solution) continue;
-    const auto integrator = make_integrator(integrator_kind, scene, &solution, long_paths);
+    const auto integrator = make_integrator(integrator_kind, scene, {&solution}, long_paths);
     for (const SamplerKind kind : sampler_kinds) {
       const test::Estimate e = look_at_ball(*integrator, kind, 500);
       EXPECT_NEAR(e.mean(), l0, 4.4 * e.standard_error() + 2e-5 * l0) << int(kind);  // level 1e-5 a mean
@@ -134,7 +134,7 @@ TEST(OpenFurnace, RoughMirrorsAndRoughGlassLoseLittle) {
     metal.distribution = glass.distribution = distribution;
     for (const Material& material : {both_sides(metal), material_of("ground", glass)}) {
       const Scene scene(ball_in_the_sky(material));
-      const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, long_paths);
+      const auto path = make_integrator(IntegratorKind::path, scene, {}, long_paths);
       for (const SamplerKind kind : sampler_kinds) {
         const test::Estimate e = look_at_ball(*path, kind, 1000);
         EXPECT_LT(e.mean(), l0 + 4.4 * e.standard_error());
@@ -175,7 +175,7 @@ SceneDescription textured_furnace(bool with_objects) {
 TEST(ClosedFurnace, TexturedWallsAndLosslessObjectsAreAllTheSame) {
   for (const bool with_objects : {false, true}) {
     const Scene scene(textured_furnace(with_objects));
-    const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {});
+    const auto path = make_integrator(IntegratorKind::path, scene, {}, {});
     for (const SamplerKind kind : sampler_kinds) {
       const test::Estimate e = mean_in_cone(*path, kind, V3f(0.5f, 0.3f, 0.5f), V3f(0, 1, 0), -1.0f, 400);
       EXPECT_NEAR(e.mean(), l0, 4.4 * e.standard_error() + 1e-5) << with_objects << int(kind);
@@ -191,7 +191,7 @@ TEST(ClosedFurnace, TwoPassFollowsTheTexture) {
   options.max_elements = 1500;
   options.relative_error = 1e-5;
   const Solution solution = solve_radiosity(scene, options);
-  const auto two_pass = make_integrator(IntegratorKind::two_pass, scene, &solution, {});
+  const auto two_pass = make_integrator(IntegratorKind::two_pass, scene, {&solution}, {});
   for (const SamplerKind kind : sampler_kinds) {
     const test::Estimate e = mean_in_cone(*two_pass, kind, V3f(0.5f, 0.3f, 0.5f), V3f(0, 1, 0), -1.0f, 500);
     EXPECT_NEAR(e.mean(), l0, 4.4 * e.standard_error() + 0.01);
@@ -203,14 +203,14 @@ TEST(ClosedFurnace, DepthIsAGeometricSeries) {
   const float albedo = 0.6f;
   const Scene scene(test::furnace_room(C3f(albedo), l0));
   for (const int depth : {1, 2, 3, 5, 8}) {
-    const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {depth, 4, false});
+    const auto path = make_integrator(IntegratorKind::path, scene, {}, {depth, 4, false});
     for (const SamplerKind kind : sampler_kinds) {
       const test::Estimate e = mean_in_cone(*path, kind, V3f(0.5f, 0.3f, 0.5f), V3f(0, 1, 0), -1.0f, 400);
       EXPECT_NEAR(e.mean(), l0 * (1.0 - std::pow(double(albedo), depth)), 4.4 * e.standard_error() + 1e-5)
           << depth;
     }
   }
-  const auto direct = make_integrator(IntegratorKind::direct, scene, nullptr, nullptr, {});
+  const auto direct = make_integrator(IntegratorKind::direct, scene, {}, {});
   const test::Estimate e =
       mean_in_cone(*direct, SamplerKind::sobol, V3f(0.5f, 0.3f, 0.5f), V3f(0, 1, 0), -1.0f, 400);
   EXPECT_NEAR(e.mean(), l0 * (1.0 - double(albedo) * albedo), 4.4 * e.standard_error() + 1e-5);
@@ -272,7 +272,7 @@ TEST_P(OneBounceTest, PathSeesTheAlbedo) {
   for (const SceneDescription& description : {in_sky, in_lamp}) {
     const Scene scene(description);
     const PathLimits two_edges{2, 5, false};
-    const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, two_edges);
+    const auto path = make_integrator(IntegratorKind::path, scene, {}, two_edges);
     for (const float height : {2.0f, 0.6f}) {
       const V3f origin(-0.3f, 0.9f, height), axis = V3f(0.1f, 0.2f, 0.0f) - origin;
       const Ray ray{origin, axis.normalized()};

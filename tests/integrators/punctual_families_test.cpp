@@ -31,8 +31,8 @@ TEST_P(PunctualFamiliesTest, TwoPassAgreesWithPath) {
   options.rays_per_element = 256;
   options.relative_error = 1e-3;
   const Solution solution = solve_radiosity(scene, options);
-  const auto two_pass = make_integrator(IntegratorKind::two_pass, scene, &solution, {});
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {});
+  const auto two_pass = make_integrator(IntegratorKind::two_pass, scene, {&solution}, {});
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {});
   // At a wall in the shade, where much of the light is indirect.
   const V3f eye(0.7f, 0.5f, 0.95f), axis(0.3f, -0.5f, -0.6f);
   const test::Estimate ours = test::mean_radiance(*two_pass, eye, axis, 0.6f, 60000, 1);

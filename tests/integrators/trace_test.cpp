@@ -45,8 +45,8 @@ TEST_P(TraceTest, BundlesOfAnySizeSeeWhatSingleRaysSee) {
   if (reads_solution(GetParam())) solution.emplace(solve_radiosity(scene, options));
   std::optional<Guide> guide;
   if (is_guided(GetParam())) guide.emplace(scene, *solution);
-  const auto integrator = make_integrator(GetParam(), scene, solution ? &*solution : nullptr, nullptr, {},
-                                          guide ? &*guide : nullptr);
+  const auto integrator = make_integrator(
+      GetParam(), scene, {solution ? &*solution : nullptr, nullptr, guide ? &*guide : nullptr}, {});
   const std::vector<PathSample> start = samples_from(V3f(0.5f, 0.2f, 0.5f), 3000);
   std::vector<PathSample> single = start;
   RayCounts single_counts;
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Integrators, TraceTest,
 // A bundle overwrites what its samples held before.
 TEST(Trace, OldResultsAreForgotten) {
   const Scene scene(mixed_scene());
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {});
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {});
   std::vector<PathSample> first = samples_from(V3f(0.5f, 0.2f, 0.5f), 100), second = first;
   for (PathSample& sample : second) sample.seen = {C3f(7.0f), 0.5f};
   RayCounts counts;
@@ -92,7 +92,7 @@ TEST(Trace, OldResultsAreForgotten) {
 TEST(Trace, NoSamplesAreNoWork) {
   const Scene scene(mixed_scene());
   RayCounts counts;
-  make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {})->trace({}, counts);
+  make_integrator(IntegratorKind::path, scene, {}, {})->trace({}, counts);
   EXPECT_EQ(counts.rays, 0u);
 }
 

@@ -9,15 +9,7 @@
 namespace twopass {
 namespace {
 
-// A room with a small lamp and a box on the floor: direct light, shadows, colour bleeding.
-SceneDescription furnished_room() {
-  SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.7f));
-  test::add_diffuse(scene, "lamp", test::quad(V3f(0.35f, 0.35f, 0.999f), V3f(0, 0.3f, 0), V3f(0.3f, 0, 0)),
-                    C3f(0.0f), C3f(10.0f));
-  test::add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f),
-                one_sided("box", Diffuse{C3f(0.6f)}));
-  return scene;
-}
+using test::furnished_room;
 
 Solution solve(const Scene& scene, std::size_t elements) {
   RadiosityOptions options;
@@ -29,7 +21,7 @@ Solution solve(const Scene& scene, std::size_t elements) {
 TEST(TwoPass, AgreesWithThePathTracerInAFurnishedRoom) {
   const Scene scene(furnished_room());
   const Solution solution = solve(scene, 4000);
-  const TwoPass two_pass(scene, &solution, nullptr, {});
+  const TwoPass two_pass(scene, {&solution}, {});
   const PathTracer path(scene, {});
   for (const V3f& axis : {V3f(0, 1, 0), V3f(0, 0.3f, -1), V3f(-1, 0.5f, 0.2f), V3f(0.3f, 0.2f, 1)}) {
     const test::Estimate ours = test::mean_radiance(two_pass, V3f(0.5f, 0.05f, 0.5f), axis, 0.8f, 60000, 1);
@@ -43,7 +35,7 @@ TEST(TwoPass, AgreesWithThePathTracerInAFurnishedRoom) {
 TEST(TwoPass, HasLessNoiseThanThePathTracer) {
   const Scene scene(furnished_room());
   const Solution solution = solve(scene, 4000);
-  const test::Estimate ours = test::mean_radiance(TwoPass(scene, &solution, nullptr, {}), V3f(0.5f, 0.05f, 0.5f),
+  const test::Estimate ours = test::mean_radiance(TwoPass(scene, {&solution}, {}), V3f(0.5f, 0.05f, 0.5f),
                                                   V3f(0, 1, 0), 0.999f, 20000, 1);
   const test::Estimate plain =
       test::mean_radiance(PathTracer(scene, {}), V3f(0.5f, 0.05f, 0.5f), V3f(0, 1, 0), 0.999f, 20000, 1);
@@ -55,7 +47,7 @@ TEST(TwoPass, LooksIndirectLightUp) {
   const Scene scene(furnished_room());
   const Solution solution = solve(scene, 4000);
   const IndirectField field(scene, solution);
-  const TwoPass gathering(scene, &solution, nullptr, {}), two_pass(scene, &solution, &field, {});
+  const TwoPass gathering(scene, {&solution}, {}), two_pass(scene, {&solution, &field}, {});
   const PathTracer path(scene, {});
   for (const V3f& axis : {V3f(0, 1, 0), V3f(0, 0.3f, -1), V3f(-1, 0.5f, 0.2f), V3f(0.3f, 0.2f, 1)}) {
     const test::Estimate ours = test::mean_radiance(two_pass, V3f(0.5f, 0.05f, 0.5f), axis, 0.8f, 60000, 1);
@@ -86,7 +78,7 @@ TEST(TwoPass, WithoutASolutionItIsAPathTracer) {
 TEST(TwoPass, IsAPureFunctionOfItsArguments) {
   const Scene scene(furnished_room());
   const Solution solution = solve(scene, 1000);
-  const TwoPass two_pass(scene, &solution, nullptr, {});
+  const TwoPass two_pass(scene, {&solution}, {});
   RayCounts counts;
   for (std::uint32_t i = 0; i < 100; ++i) {
     Sampler first(1, i, 3), second(1, i, 3);

@@ -109,7 +109,7 @@ TEST_P(UnbiasedTest, HasTheMeanOfThePathTracer) {
   if (c.content != Content::nothing) solution.emplace(make_solution(scene, c.content));
   std::optional<Guide> guide;
   if (c.guided) guide.emplace(scene, *solution);
-  const Unbiased unbiased(scene, solution ? &*solution : nullptr, guide ? &*guide : nullptr, {});
+  const Unbiased unbiased(scene, {solution ? &*solution : nullptr, nullptr, guide ? &*guide : nullptr}, {});
   for (std::size_t k = 0; k < std::size(views); ++k) {
     const test::Estimate ours =
         test::mean_radiance(unbiased, eye, views[k], 0.8f, 60000, 10 + static_cast<std::uint32_t>(k));
@@ -134,7 +134,7 @@ TEST(Unbiased, HasAFiniteVariance) {
   for (const Content content : {Content::solved, Content::random, Content::dark}) {
     const Solution solution = make_solution(scene, content);
     const Guide guide(scene, solution);
-    const Unbiased unbiased(scene, &solution, &guide, {});
+    const Unbiased unbiased(scene, {&solution, nullptr, &guide}, {});
     // Four batches, each four times the last: the variance of a sample must not grow. (A constant probability
     // of survival has it grow a hundredfold.)
     std::vector<double> variance;
@@ -151,8 +151,8 @@ TEST(Unbiased, HasLessNoiseThanThePathTracer) {
   const Solution solution = make_solution(scene, Content::solved);
   const Guide guide(scene, solution);
   RayCounts ours, theirs;
-  const test::Estimate estimate =
-      test::mean_radiance(Unbiased(scene, &solution, &guide, {}), eye, V3f(0, 1, -0.3f), 0.95f, 30000, 1);
+  const test::Estimate estimate = test::mean_radiance(Unbiased(scene, {&solution, nullptr, &guide}, {}), eye,
+                                                      V3f(0, 1, -0.3f), 0.95f, 30000, 1);
   const test::Estimate plain =
       test::mean_radiance(PathTracer(scene, {}), eye, V3f(0, 1, -0.3f), 0.95f, 30000, 1);
   EXPECT_LT(estimate.variance(), 0.5 * plain.variance());
@@ -165,7 +165,7 @@ TEST(Unbiased, EveryLengthOfPathIsCarriedOnce) {
   const Guide guide(scene, solution);
   for (int depth = 1; depth <= 5; ++depth) {
     const PathLimits limits{.max_depth = depth};
-    const test::Estimate ours = test::mean_radiance(Unbiased(scene, &solution, &guide, limits), eye,
+    const test::Estimate ours = test::mean_radiance(Unbiased(scene, {&solution, nullptr, &guide}, limits), eye,
                                                     V3f(0.1f, 1, 0.4f), 0.8f, 40000, 1);
     const test::Estimate truth =
         test::mean_radiance(PathTracer(scene, limits), eye, V3f(0.1f, 1, 0.4f), 0.8f, 80000, 2);
@@ -180,15 +180,15 @@ TEST(Unbiased, ClampsAsThePathTracerDoes) {
   const Solution solution = make_solution(scene, Content::solved);
   const Guide guide(scene, solution);
   const PathLimits dim{.clamp_direct = 1e-3f, .clamp_indirect = 1e-4f};
-  const test::Estimate ours =
-      test::mean_radiance(Unbiased(scene, &solution, &guide, dim), eye, V3f(0, 1, -0.3f), 0.8f, 5000, 1);
+  const test::Estimate ours = test::mean_radiance(Unbiased(scene, {&solution, nullptr, &guide}, dim), eye,
+                                                  V3f(0, 1, -0.3f), 0.8f, 5000, 1);
   EXPECT_LT(ours.mean(), 1e-2);
   EXPECT_GT(ours.mean(), 0.0);
 }
 
 TEST(Unbiased, WithoutASolutionItIsThePathTracer) {
   const Scene scene(mixed_room());
-  const Unbiased unbiased(scene, nullptr, nullptr, {});
+  const Unbiased unbiased(scene, {}, {});
   const PathTracer path(scene, {});
   RayCounts a, b;
   for (std::uint32_t i = 0; i < 500; ++i) {

@@ -87,13 +87,13 @@ TEST(Adaptive, ChoosesTheWorstFirstAndNoMoreThanAllowed) {
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i].direct = C3f(static_cast<float>(std::exp(8.0 * mesh.centroid(i).position.x)));
   const std::vector<double> power = misplaced_power(mesh, irradiance);
-  const std::vector<bool> chosen = elements_to_split(mesh, irradiance, 40, 0.0);
+  const std::vector<bool> chosen = elements_to_split(mesh, irradiance, {}, 40, 0.0);
   EXPECT_EQ(std::count(chosen.begin(), chosen.end(), true), 40);
   double worst_left = 0.0, least_chosen = infinity_f;
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     chosen[i] ? least_chosen = std::min(least_chosen, power[i]) : worst_left = std::max(worst_left, power[i]);
   EXPECT_GE(least_chosen, worst_left);
-  const std::vector<bool> none = elements_to_split(mesh, irradiance, 40, 1e9);
+  const std::vector<bool> none = elements_to_split(mesh, irradiance, {}, 40, 1e9);
   EXPECT_EQ(std::count(none.begin(), none.end(), true), 0);
 }
 

@@ -185,6 +185,28 @@ TEST(Guide, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(densities[0], densities[1]);
 }
 
+// Where nobody asks there is no guide, and elsewhere it is the same.
+TEST(Guide, IsMadeOnlyWhereItIsWanted) {
+  const Scene scene(room_with_ball());
+  const Solution solution = solve(scene);
+  GuideOptions options;
+  options.wanted.assign(solution.mesh().count(), false);
+  const Guide all(scene, solution), none(scene, solution, options);
+  EXPECT_EQ(none.rays(), 0u);
+  const Places places(room_with_ball());
+  const SurfacePoint& point = places.points.front();
+  options.wanted[solution.mesh().find(point)] = true;
+  const Guide one(scene, solution, options);
+  EXPECT_GT(one.rays(), 0u);
+  EXPECT_LT(one.rays(), all.rays() / 4);
+  EXPECT_TRUE(none.at(point).empty());
+  ASSERT_FALSE(one.at(point).empty());
+  for (std::uint32_t k = 0; k < 100; ++k) {
+    const V2f u = Sampler(1, k, 0).next_2d();
+    EXPECT_EQ(one.at(point).sample(u).pdf_w, all.at(point).sample(u).pdf_w);
+  }
+}
+
 TEST(Guide, HasNoMoreCellsThanAllowed) {
   const Scene scene(room_with_ball());
   const Solution solution = solve(scene);

@@ -22,13 +22,9 @@ SurfacePoint point_below(const Scene& scene, const V3f& from, const V3f& directi
   return scene.surface_point(ray, scene.caster().intersect(ray));
 }
 
-// A small lamp, a box on the floor, a thin wall that stands on the floor.
-SceneDescription furnished_room() {
-  SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.7f));
-  test::add_diffuse(scene, "lamp", test::quad(V3f(0.35f, 0.35f, 0.999f), V3f(0, 0.3f, 0), V3f(0.3f, 0, 0)),
-                    C3f(0.0f), C3f(10.0f));
-  test::add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f),
-                one_sided("box", Diffuse{C3f(0.6f)}));
+// A thin wall stands on its floor.
+SceneDescription divided_room() {
+  SceneDescription scene = test::furnished_room();
   const Diffuse white{C3f(0.7f)};
   scene.materials.push_back(two_sided("wall", white, white));
   Shape wall;
@@ -45,7 +41,8 @@ C3f gathered(const Scene& scene, const Solution& solution, const SurfacePoint& p
   C3f sum(0.0f);
   for (std::uint32_t k = 0; k < rays; ++k) {
     Sampler sampler(7, key, k);
-    const V3f direction = Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+    const V3f direction =
+        Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
     const Ray ray{spawn_position(point, direction), direction};
     const Hit hit = scene.caster().intersect(ray);
     if (hit.escaped()) continue;
@@ -60,11 +57,17 @@ TEST(IndirectField, IsConstantInAFurnace) {
   const Scene scene(test::furnace_room(albedo, 2.0f));
   const Solution solution = solve(scene, 4000);
   const IndirectField field(scene, solution);
-  EXPECT_GT(field.trusted_share(), 0.4);
+  EXPECT_GT(field.share(Known::indirect), 0.4);
   EXPECT_GT(field.rays(), 0u);
-  const auto value = field.at(point_below(scene, V3f(0.5f), V3f(0.1f, 0.2f, -1)));
-  ASSERT_TRUE(value.has_value());
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR((*value)[c], pi_f * albedo[c] * 2.0f, 0.01f * pi_f * albedo[c] * 2.0f);
+  for (const double tolerance : {0.005, 0.0}) {  // with and without direct light
+    const IndirectField field(scene, solution, {.direct_tolerance = tolerance});
+    const auto found = field.at(point_below(scene, V3f(0.5f), V3f(0.1f, 0.2f, -1)));
+    ASSERT_EQ(found.known, tolerance > 0.0 ? Known::all : Known::indirect);
+    for (int c = 0; c < 3; ++c) {
+      const float all = pi_f * 2.0f, expected = tolerance > 0.0 ? all : all * albedo[c];
+      EXPECT_NEAR(found.irradiance[c], expected, 0.01f * expected);
+    }
+  }
 }
 
 // A ceiling of exitance 1, reflectance 1/2 everywhere: irradiance at the middle of the floor 0.39521, of a wall
@@ -74,6 +77,7 @@ TEST(IndirectField, HasTheIrradianceOfTheCube) {
   const Solution solution = solve(scene, 4000);
   IndirectFieldOptions options;
   options.least_rays = options.most_rays = 1024;
+  options.direct_tolerance = 0.0;
   const IndirectField field(scene, solution, options);
   const struct {
     V3f direction;
@@ -83,16 +87,18 @@ TEST(IndirectField, HasTheIrradianceOfTheCube) {
                {V3f(0, 0, 1), 0.18361}};
   for (const auto& [direction, irradiance] : cases) {
     const auto value = field.at(point_below(scene, V3f(0.503f, 0.499f, 0.501f), direction));
-    ASSERT_TRUE(value.has_value());
-    EXPECT_NEAR(value->x, irradiance, 0.02 * irradiance);
+    ASSERT_GE(value.known, Known::indirect);
+    const bool is_dark = value.known == Known::all;  // the ceiling, which no lamp shines on
+    EXPECT_EQ(is_dark, direction.z > 0.0f);
+    EXPECT_NEAR(value.irradiance.x, irradiance, 0.02 * irradiance);
   }
 }
 
 TEST(IndirectField, IsTrustedOnlyWhereItIsAsGoodAsGathering) {
-  const Scene scene(furnished_room());
+  const Scene scene(divided_room());
   const Solution solution = solve(scene, 3000);
-  const IndirectField field(scene, solution);
-  EXPECT_GT(field.trusted_share(), 0.4);
+  const IndirectField field(scene, solution, {.direct_tolerance = 0.0});
+  EXPECT_GT(field.share(Known::indirect), 0.4);
   double squares = 0.0, worst = 0.0;
   int trusted = 0;
   for (std::uint32_t i = 0; i < 400; ++i) {
@@ -101,10 +107,10 @@ TEST(IndirectField, IsTrustedOnlyWhereItIsAsGoodAsGathering) {
     const V3f from(0.05f + 0.6f * u.x, 0.05f + 0.4f * u.y, 0.2f + 0.6f * sampler.next_1d());
     const SurfacePoint point = point_below(scene, from, square_to_sphere(sampler.next_2d()));
     const auto value = field.at(point);
-    if (!value) continue;
+    if (value.known < Known::indirect) continue;
     ++trusted;
     const C3f truth = gathered(scene, solution, point, i);
-    const double error = std::abs(static_cast<double>(value->x - truth.x)) /
+    const double error = std::abs(static_cast<double>(value.irradiance.x - truth.x)) /
                          static_cast<double>(truth.x + solution.irradiance(point).direct.x);
     squares += error * error;
     worst = std::max(worst, error);
@@ -114,19 +120,61 @@ TEST(IndirectField, IsTrustedOnlyWhereItIsAsGoodAsGathering) {
   EXPECT_LT(worst, 0.12);
 }
 
+// Direct light on top of it, exactly what a lamp sends, and only where every ray to the lamp arrives.
+TEST(IndirectField, HasTheDirectLightWhereTheLampIsInFullView) {
+  const Scene scene(divided_room());
+  const Solution solution = solve(scene, 3000);
+  const IndirectField field(scene, solution), indirect(scene, solution, {.direct_tolerance = 0.0});
+  EXPECT_GT(field.share(Known::all), 0.15);
+  EXPECT_LT(field.share(Known::all), field.share(Known::indirect));
+  EXPECT_EQ(field.share(Known::indirect), indirect.share(Known::indirect));
+  int lit = 0, dark = 0;
+  for (std::uint32_t i = 0; i < 600; ++i) {
+    Sampler sampler(11, i, 0);
+    const V3f from(0.05f + 0.6f * sampler.next_1d(), 0.05f + 0.4f * sampler.next_1d(),
+                   0.2f + 0.6f * sampler.next_1d());
+    const SurfacePoint point = point_below(scene, from, square_to_sphere(sampler.next_2d()));
+    const auto found = field.at(point);
+    const bool is_dark = found.known == Known::no_direct;
+    if (!is_dark && found.known != Known::all) continue;
+    double sum = 0.0;
+    constexpr int samples = 64;
+    for (int k = 0; k < samples; ++k) {
+      const LightSample light =
+          scene.lights().sample({point.position, point.shading.n, true}, sampler.next_2d());
+      const float cosine = light.direction.dot(point.geometric_normal);
+      if (!(light.pdf_w > 0.0f) || cosine <= 0.0f) continue;
+      const bool blocked = scene.caster().occluded(spawn_position(point, light.direction), light.position);
+      if (blocked) {
+        // Then all of the lamp is hidden.
+        EXPECT_EQ(sum, 0.0);
+      } else {
+        EXPECT_FALSE(is_dark);
+        sum += light.radiance.x * cosine / light.pdf_w / samples;
+      }
+    }
+    if (is_dark) continue;
+    const double direct = found.irradiance.x - indirect.at(point).irradiance.x;
+    EXPECT_NEAR(direct, sum, 0.02 * (sum + indirect.at(point).irradiance.x));
+    ++(sum > 0.0 ? lit : dark);
+  }
+  EXPECT_GT(lit, 50);
+  EXPECT_GT(dark, 20);
+}
+
 TEST(IndirectField, IsNotTrustedAtTheFootOfAWall) {
-  const Scene scene(furnished_room());
+  const Scene scene(divided_room());
   const Solution solution = solve(scene, 3000);
   const IndirectField field(scene, solution);
   const IndirectField blind(scene, solution, {.tolerance = 1e9});
   const SurfacePoint corner = point_below(scene, V3f(0.46f, 0.6f, 0.05f), V3f(-0.2f, 0, -1));
-  EXPECT_FALSE(field.at(corner).has_value());
-  EXPECT_LT(field.trusted_share(), 0.99);
-  EXPECT_GE(blind.trusted_share(), field.trusted_share());
+  EXPECT_LT(field.at(corner).known, Known::indirect);
+  EXPECT_LT(field.share(Known::indirect), 0.99);
+  EXPECT_GE(blind.share(Known::indirect), field.share(Known::indirect));
 }
 
 TEST(IndirectField, LeavesCausticsAndSpheresToRays) {
-  SceneDescription description = furnished_room();
+  SceneDescription description = divided_room();
   description.materials.push_back(one_sided("mirror", Conductor{}));
   Shape mirror;
   mirror.name = "mirror";
@@ -134,25 +182,28 @@ TEST(IndirectField, LeavesCausticsAndSpheresToRays) {
   mirror.material = static_cast<std::uint32_t>(description.materials.size() - 1);
   description.shapes.push_back(mirror);
   test::add_diffuse(description, "ball", Sphere{V3f(0.6f, 0.8f, 0.1f), 0.1f}, C3f(0.5f));
-  const Scene without(furnished_room()), scene(std::move(description));
+  const Scene without(divided_room()), scene(std::move(description));
   const Solution plain = solve(without, 2000), mirrored = solve(scene, 2000);
-  EXPECT_LT(IndirectField(scene, mirrored).trusted_share(), IndirectField(without, plain).trusted_share());
+  EXPECT_LT(IndirectField(scene, mirrored).share(Known::indirect),
+            IndirectField(without, plain).share(Known::indirect));
   const IndirectField field(scene, mirrored, {.tolerance = 1e9});
   const SurfacePoint top = point_below(scene, V3f(0.6f, 0.8f, 0.5f), V3f(0, 0, -1));
   ASSERT_TRUE(std::holds_alternative<Sphere>(scene.shapes()[top.shape].geometry));
-  EXPECT_FALSE(field.at(top).has_value());
+  EXPECT_LT(field.at(top).known, Known::indirect);
 }
 
 TEST(IndirectField, IsTheSameOnAnyNumberOfThreads) {
-  const Scene scene(furnished_room());
+  const Scene scene(divided_room());
   const Solution solution = solve(scene, 1000);
   const auto values = [&](int threads) {
     const ThreadLimit limit(threads);
     const IndirectField field(scene, solution);
-    std::vector<std::optional<C3f>> all;
-    for (std::uint32_t i = 0; i < 200; ++i)
-      all.push_back(field.at(
-          point_below(scene, V3f(0.1f, 0.3f, 0.6f), square_to_sphere(Sampler(5, i, 0).next_2d()))));
+    std::vector<std::pair<Known, C3f>> all;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      const auto found =
+          field.at(point_below(scene, V3f(0.1f, 0.3f, 0.6f), square_to_sphere(Sampler(5, i, 0).next_2d())));
+      all.emplace_back(found.known, found.irradiance);
+    }
     return all;
   };
   EXPECT_EQ(values(1), values(2));

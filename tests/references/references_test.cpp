@@ -8,10 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"
-#include "radiosity/guide.h"
 #include "render/image/exr.h"
 #include "render/load/load.h"
-#include "render/plan.h"
+#include "render/pass_one.h"
 #include "render/render_image.h"
 #include "tests/support/statistics.h"
 
@@ -55,28 +54,22 @@ class Prepared {
   Prepared(const LoadedScene& loaded, IntegratorKind kind)
       : scene_(loaded.scene),
         limits_{loaded.settings.max_depth, loaded.settings.rr_depth, loaded.settings.hide_emitters} {
+    const FileSettings& file = loaded.settings;
+    const Camera camera(*loaded.scene.camera, file.width, file.height);
+    const PixelWindow window{{0, 0}, {file.width, file.height}};
     const Plan plan = plan_render(needs_of(loaded.scene), kind, limits_);
-    if (plan.radiosity_pass) {
-      RadiosityOptions options;
-      options.max_reflections = limits_.max_depth < 0 ? -1 : limits_.max_depth - edges_to_solution(kind);
-      if (kind == IntegratorKind::two_pass)
-        options.gathered_pixels = static_cast<std::size_t>(loaded.settings.width * loaded.settings.height);
-      solution_.emplace(solve_radiosity(scene_, options));
-    }
-    const Solution* solution = solution_ ? &*solution_ : nullptr;
-    if (plan.indirect_field) field_.emplace(scene_, *solution, IndirectFieldOptions{});
-    if (solution && is_guided(kind)) guide_.emplace(scene_, *solution);
-    integrator_ = make_integrator(kind, scene_, solution, field_ ? &*field_ : nullptr, limits_,
-                                  guide_ ? &*guide_ : nullptr);
+    pass_one_ = prepare_pass_one({.scene = scene_,
+                                  .plan = plan,
+                                  .integrator = kind,
+                                  .radiosity = radiosity_options(kind, limits_, camera, window, {})});
+    integrator_ = make_integrator(kind, scene_, pass_one_.view(), limits_);
   }
   const Integrator& integrator() const { return *integrator_; }
 
  private:
   Scene scene_;
   PathLimits limits_;
-  std::optional<Solution> solution_;
-  std::optional<IndirectField> field_;
-  std::optional<Guide> guide_;
+  PreparedPassOne pass_one_;
   std::unique_ptr<Integrator> integrator_;
 };
 

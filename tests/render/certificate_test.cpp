@@ -23,9 +23,9 @@ struct CoarseRoom {
   std::unique_ptr<Integrator> two_pass, unbiased, path;
 
   CoarseRoom() : scene(description()), solution(brightened(solve_radiosity(scene, coarse()))) {
-    two_pass = make_integrator(IntegratorKind::two_pass, scene, &solution, {});
-    unbiased = make_integrator(IntegratorKind::unbiased, scene, &solution, {});
-    path = make_integrator(IntegratorKind::path, scene, nullptr, {});
+    two_pass = make_integrator(IntegratorKind::two_pass, scene, {&solution}, {});
+    unbiased = make_integrator(IntegratorKind::unbiased, scene, {&solution}, {});
+    path = make_integrator(IntegratorKind::path, scene, {}, {});
   }
   static SceneDescription description() {
     SceneDescription scene = test::unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(1.0f), C3f(0.5f));
@@ -140,7 +140,7 @@ TEST(Certificate, IsTheSameOnAnyNumberOfThreads) {
 TEST(Certificate, ThereIsNoneOfABlackPictureOrAfterAnInterrupt) {
   SceneDescription dark = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
   const Scene scene(std::move(dark));
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, {});
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {});
   const Camera camera(view, width, height);
   EXPECT_FALSE(
       certify({.biased = *path, .unbiased = *path, .camera = camera, .width = width, .height = height}));

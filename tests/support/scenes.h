@@ -74,4 +74,14 @@ inline void add_box(SceneDescription& scene, const std::string& name, const V3f&
   scene.shapes.push_back(shape);
 }
 
+/// A room with a small lamp below its ceiling and a box on the floor: direct light, shadows, colour bleeding.
+inline SceneDescription furnished_room() {
+  SceneDescription scene = unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.7f));
+  add_diffuse(scene, "lamp", quad(V3f(0.35f, 0.35f, 0.999f), V3f(0, 0.3f, 0), V3f(0.3f, 0, 0)), C3f(0.0f),
+              C3f(10.0f));
+  add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f),
+          one_sided("box", Diffuse{C3f(0.6f)}));
+  return scene;
+}
+
 }  // namespace twopass::test

@@ -36,7 +36,7 @@ double illuminance(const Integrator& integrator, const V3f& position, const V3f&
 }
 
 std::unique_ptr<Integrator> direct(const Scene& scene) {
-  return make_integrator(IntegratorKind::direct, scene, nullptr, nullptr, {});
+  return make_integrator(IntegratorKind::direct, scene, {}, {});
 }
 
 Mesh horizontal(float z_of, const V2f& low, const V2f& high, bool faces_up) {
@@ -204,7 +204,7 @@ TEST(PathTruth, CIE_5_5_GlassPane) {
       description.materials.back() = material_of("pane", ThinDielectric{1.52f});
     }
     const Scene scene(description);
-    const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {-1, 100, false});
+    const auto path = make_integrator(IntegratorKind::path, scene, {}, {-1, 100, false});
     EXPECT_NEAR(mean_radiance(*path, {V3f(0.1f, 0.2f, 0), z}, 1 << 16).x, truth, 1e-3) << is_slab;
   }
 }
@@ -217,7 +217,7 @@ TEST(PathTruth, CIE_5_6_LightReflectedByTheFloor) {
   description.punctual_lights.emplace_back(DirectionalLight{V3f(0, 0, -1), C3f(1000.0f)});
   const Scene scene(description);
   // Sun, floor, wall, camera: not what the wall returns to the floor.
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {3, 5, false});
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {3, 5, false});
   for (const Reading& reading : {Reading{{2, 0, 0.75f}, 35.9005},
                                  {{2, 0, 1.25f}, 27.9916},
                                  {{2, 0, 1.75f}, 21.6385},
@@ -241,7 +241,7 @@ TEST(PathTruth, CIE_5_7_LightReflectedByAWallBehindABox) {
   description.punctual_lights.emplace_back(DirectionalLight{V3f(0, slant, -slant), C3f(1000.0f / slant)});
   const Scene scene(description);
   // Sun, reflector, receiver, camera.
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, {3, 5, false});
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {3, 5, false});
   const auto check = [&](const V3f& normal, const Reading& reading) {
     const double lux = illuminance(*path, reading.position, normal, 1 << 16);
     EXPECT_NEAR(100.0 * lux / (1000.0 * 0.3), reading.lux, 5e-3 * reading.lux) << reading.position;
@@ -273,7 +273,7 @@ TEST(PathTruth, CIE_5_8_Interreflections) {
   EXPECT_NEAR(illuminance(*integrator, V3f(1e-5f, 2, 0), z), 70.337, 2e-3);
   EXPECT_NEAR(illuminance(*integrator, V3f(1e-5f, 1e-5f, 0), z), 38.287, 2e-3);
 
-  const auto path = make_integrator(IntegratorKind::path, scene, nullptr, nullptr, {});
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {});
   const V3f normals[] = {z, -z, x, -x, y, -y};
   test::Estimate all;
   RayCounts counts;

@@ -1,0 +1,18 @@
+// What the radiosity pass leaves for integrators to read.
+#pragma once
+
+namespace twopass {
+
+class Guide;
+class IndirectField;
+class Solution;
+
+/// Results of pass one, each of which may be missing: integrators then do what they do without. REQUIRES: field
+/// and guide are of the solution; all outlive who reads them.
+struct PassOne {
+  const Solution* solution = nullptr;
+  const IndirectField* field = nullptr;  ///< null: indirect light is gathered everywhere
+  const Guide* guide = nullptr;          ///< null: directions are drawn from the scattering models alone
+};
+
+}  // namespace twopass
