@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
   twopass::add_solve_command(program, global, action);
   twopass::add_form_factors_command(program, global, action);
   twopass::add_compare_command(program, global, action);
+  twopass::add_bench_command(program, global, action);
   twopass::add_info_command(program, global, action);
   twopass::add_view_command(program, global, action);
   twopass::add_merge_command(program, global, action);

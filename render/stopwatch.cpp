@@ -1,5 +1,7 @@
 #include "render/stopwatch.h"
 
+#include <fstream>
+
 #include <sys/resource.h>
 
 namespace twopass {
@@ -24,5 +26,12 @@ double Stopwatch::process_cpu_seconds() {
 }
 
 std::size_t peak_memory_bytes() { return static_cast<std::size_t>(usage().ru_maxrss) * 1024; }
+
+bool reset_peak_memory() {
+  // proc(5), clear_refs: 5 resets the peak to what is held now.
+  std::ofstream file("/proc/self/clear_refs");
+  file << "5";
+  return file.flush().good();
+}
 
 }  // namespace twopass

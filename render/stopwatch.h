@@ -8,6 +8,12 @@ namespace twopass {
 struct Elapsed {
   double seconds = 0.0;      ///< wall clock
   double cpu_seconds = 0.0;  ///< user and system time of the whole process, all threads
+
+  Elapsed& operator+=(const Elapsed& other) {
+    seconds += other.seconds;
+    cpu_seconds += other.cpu_seconds;
+    return *this;
+  }
 };
 inline Elapsed operator+(const Elapsed& a, const Elapsed& b) {
   return {a.seconds + b.seconds, a.cpu_seconds + b.cpu_seconds};
@@ -28,7 +34,9 @@ class Stopwatch {
   double cpu_start_;
 };
 
-/// Most memory that the process has held so far, bytes.
+/// Most memory that the process has held so far, or since reset_peak_memory(), bytes.
 std::size_t peak_memory_bytes();
+/// False: the system does not allow it.
+bool reset_peak_memory();
 
 }  // namespace twopass

@@ -29,6 +29,7 @@ using Action = std::function<int()>;
 void add_render_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_solve_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_compare_command(CLI::App& program, const GlobalOptions& global, Action& action);
+void add_bench_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_form_factors_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_info_command(CLI::App& program, const GlobalOptions& global, Action& action);
 void add_view_command(CLI::App& program, const GlobalOptions& global, Action& action);

@@ -88,8 +88,8 @@ void write_picture(const fs::path& path, const Image& scene_linear, const Displa
   write_raster(path, seen_through(scene_linear, *display, path.string()));
 }
 
-Image read_picture(const fs::path& path) {
-  if (extension_of(path) == ".exr") return read_exr(path);
+Image read_picture(const fs::path& path, ExrMetadata* metadata) {
+  if (extension_of(path) == ".exr") return read_exr(path, metadata);
   RasterImage raster = read_raster(path);
   if (raster.display_referred) decode_srgb(raster.image);
   premultiply(raster.image);

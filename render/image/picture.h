@@ -23,7 +23,7 @@ void write_picture(const std::filesystem::path& path, const Image& scene_linear,
                    const DisplayTransform* display, const ExrOptions& options = {});
 
 /// Reads any picture to linear Rec.709 values, premultiplied: OpenEXR as it is; pictures stored as integers are
-/// decoded from sRGB. Throws Error.
-Image read_picture(const std::filesystem::path& path);
+/// decoded from sRGB. With `metadata`, also what read_exr tells of an OpenEXR file. Throws Error.
+Image read_picture(const std::filesystem::path& path, ExrMetadata* metadata = nullptr);
 
 }  // namespace twopass

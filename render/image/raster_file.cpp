@@ -70,22 +70,27 @@ std::string format_of(const fs::path& path) {
   return extension;
 }
 
-}  // namespace
-
-void write_raster(const fs::path& path, const Image& image) {
-  const std::string format = format_of(path);
+std::vector<std::byte> encoded(const Image& image, const std::string& format, std::string_view where) {
   const bool deep = format.starts_with("tif");
   const std::vector<std::uint16_t> samples16 =
-      deep ? quantized<std::uint16_t>(image, path.string()) : std::vector<std::uint16_t>();
+      deep ? quantized<std::uint16_t>(image, where) : std::vector<std::uint16_t>();
   const std::vector<std::uint8_t> samples8 =
-      deep ? std::vector<std::uint8_t>() : quantized<std::uint8_t>(image, path.string());
+      deep ? std::vector<std::uint8_t>() : quantized<std::uint8_t>(image, where);
   const TwopassRaster raster{format.c_str(), image.width, image.height, deep ? 16 : 8,
                              deep ? static_cast<const void*>(samples16.data()) : samples8.data()};
   Exchange exchange;
   if (oiio_module().encode(&raster, Exchange::take_bytes, Exchange::take_problem, &exchange) == 0)
-    throw Error(path.string(), "it cannot be encoded: " + exchange.problem, "use .png or .exr");
-  write_atomically(path, exchange.bytes);
+    throw Error(where, "it cannot be encoded: " + exchange.problem, "use .png or .exr");
+  return std::move(exchange.bytes);
 }
+
+}  // namespace
+
+void write_raster(const fs::path& path, const Image& image) {
+  write_atomically(path, encoded(image, format_of(path), path.string()));
+}
+
+std::vector<std::byte> encode_png(const Image& image) { return encoded(image, "png", "picture"); }
 
 RasterImage read_raster(const fs::path& path) {
   check_regular_file(path);

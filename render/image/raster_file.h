@@ -3,7 +3,9 @@
 // use.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "render/image/image.h"
 
@@ -18,6 +20,9 @@ struct RasterImage {
 /// .jpeg with 8 bits a channel, .tif and .tiff with 16. Same pixels, same bytes. Atomic. Throws Error on any
 /// failure, a missing module included.
 void write_raster(const std::filesystem::path& path, const Image& image);
+
+/// The bytes of the same picture as a PNG file. Throws Error.
+std::vector<std::byte> encode_png(const Image& image);
 
 /// Reads any picture that OpenImageIO understands. Throws Error when it does not, or the file is missing or
 /// broken.

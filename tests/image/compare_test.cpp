@@ -98,9 +98,83 @@ TEST(Compare, FlipIsTheMeanOfHdrFlip) {
   EXPECT_EQ(compare(t, r).flip, hdr_flip(rgb_pixels(t), rgb_pixels(r), 30, 30).mean);
 }
 
+// A picture of ones with a constant error and noise of its own in each pixel and channel.
+LayerPair biased_and_noisy(float bias, float noise) {
+  const Image scatter = random_image(96, 64, {"R", "G", "B"}, -1.0f, 1.0f, 5);
+  LayerPair pair{.name = "", .width = 96, .height = 64};
+  for (const C3f& s : rgb_pixels(scatter)) {
+    pair.reference.emplace_back(1.0f, 1.0f, 1.0f);
+    pair.test.push_back(C3f(1.0f + bias) + s * noise);
+  }
+  return pair;
+}
+
+TEST(Compare, BlocksTellBiasFromNoise) {
+  // A uniform number in [-1, 1] has the variance 1/3.
+  constexpr double noise2 = 0.2 * 0.2 / 3.0 / 1.01;
+  for (const double bias : {0.0, 0.02, -0.1}) {
+    const Comparison c = compare(biased_and_noisy(static_cast<float>(bias), 0.2f));
+    const double truth = bias * bias / 1.01;
+    EXPECT_GT(c.bias2_error, 0.0);
+    EXPECT_NEAR(c.bias2, truth, 4.0 * c.bias2_error) << bias;
+    EXPECT_NEAR(c.variance, noise2, 0.03 * noise2 + 4.0 * c.bias2_error) << bias;
+    EXPECT_DOUBLE_EQ(c.bias2 + c.variance, c.relmse);
+    EXPECT_NEAR(c.energy_ratio.x, 1.0 + bias, 2.0 * c.energy_ci95.x);
+    EXPECT_NEAR(c.energy_ci95.x, 1.96 * std::sqrt(0.04 / 3.0 / (96 * 64)), 1e-4);
+  }
+  // Without noise all of it is bias, to rounding; and the standard error is not made up.
+  const Comparison clean = compare(biased_and_noisy(0.1f, 0.0f));
+  EXPECT_NEAR(clean.bias2, clean.relmse, 1e-9);
+  EXPECT_NEAR(clean.bias2_error, 0.0, 1e-9);
+}
+
+TEST(Compare, StandardErrorOfTheBiasIsWhatItScattersBy) {
+  double sum2 = 0.0, expected = 0.0;
+  constexpr int runs = 40;
+  for (int run = 0; run < runs; ++run) {
+    LayerPair pair{.name = "", .width = 64, .height = 64};
+    for (const C3f& s : rgb_pixels(random_image(64, 64, {"R", "G", "B"}, 0.5f, 1.5f, 100u + run))) {
+      pair.reference.emplace_back(1.0f, 1.0f, 1.0f);
+      pair.test.push_back(s);
+    }
+    const Comparison c = compare(pair);
+    sum2 += c.bias2 * c.bias2 / runs;  // the truth is zero
+    expected += c.bias2_error * c.bias2_error / runs;
+  }
+  // A variance of 40 runs is known to 22 %.
+  EXPECT_NEAR(std::sqrt(sum2 / expected), 1.0, 0.4);
+}
+
+TEST(Compare, LayersInCommonWithTheirVariance) {
+  const Image test =
+      random_image(12, 9, {"R", "G", "B", "A", "variance.R", "variance.G", "variance.B", "Z"}, 0.0f, 1.0f, 1);
+  const Image reference =
+      random_image(12, 9, {"R", "G", "B", "Z", "albedo.R", "albedo.G", "albedo.B"}, 0.0f, 1.0f, 2);
+  const std::vector<LayerPair> pairs = common_layers(test, reference);
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_EQ(pairs[0].name, "");
+  EXPECT_EQ(pairs[1].name, "Z");
+  EXPECT_EQ(pairs[1].kind, LayerKind::scalar);
+  EXPECT_FLOAT_EQ(pairs[0].variance[5].y, test.pixels[5 * 8 + 5]);
+  const Comparison c = compare(pairs[0]);
+  ASSERT_TRUE(c.known_variance);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 12 * 9; ++i)
+    for (int k = 0; k < 3; ++k) {
+      const double r = pairs[0].reference[i][k];
+      sum += pairs[0].variance[i][k] / (r * r + 0.01);
+    }
+  EXPECT_NEAR(*c.known_variance, sum / (3.0 * 12 * 9), 1e-9);
+  EXPECT_FALSE(compare(pairs[1]).known_variance);
+  EXPECT_EQ(compare(pairs[1]).flip, std::numeric_limits<double>::infinity()) << "nobody sees depths";
+  EXPECT_THROW((void)common_layers(Image(4, 4, {"Z"}), Image(4, 4, {"Y"})), Error);
+}
+
 TEST(Compare, EveryMeasureHasANameAFormulaAndItsValue) {
   Comparison c;
   c.energy_ratio = C3d(1.0, 3.0, 2.0);
+  c.bias2 = 4.0;
+  c.variance = 5.0;
   c.mse = 10.0;
   c.relmse = 11.0;
   c.relmse_trimmed = 12.0;
@@ -108,7 +182,7 @@ TEST(Compare, EveryMeasureHasANameAFormulaAndItsValue) {
   c.psnr = 14.0;
   c.flip = 15.0;
   c.non_finite = 16;
-  const std::vector<double> values{3.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0};
+  const std::vector<double> values{3.0, 4.0, 5.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0};
   ASSERT_EQ(measures().size(), values.size());
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < values.size(); ++i) {

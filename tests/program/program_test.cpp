@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 TEST_F(Program, HelpAndVersionSucceed) {
   const Outcome help = run("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command : {"render", "solve", "form-factors", "compare", "info"})
+  for (const char* command : {"render", "solve", "form-factors", "compare", "bench", "info"})
     EXPECT_NE(help.out.find(command), std::string::npos);
   EXPECT_EQ(run("--version").exit_code, 0);
   EXPECT_EQ(run("render --help").exit_code, 0);
@@ -31,7 +31,8 @@ TEST_F(Program, WrongUsageExitsWithTwo) {
   for (const char* arguments :
        {"", "paint", "render", "render a.xml", "render a.xml -o b.exr --spp 0", "render a.xml -o b.exr --bogus",
         "render a.xml -o b.exr --clamp-direct 0", "render a.xml -o b.exr --clamp-indirect -1",
-        "render a.xml -o b.exr --camera 1,2,3", "compare a.exr", "solve a.xml",
+        "render a.xml -o b.exr --camera 1,2,3", "compare a.exr", "compare a.exr b.exr --crop 1,2,3", "bench", "bench -o d --seeds 0",
+        "bench -o d --solvers lu", "solve a.xml",
         "solve a.xml -o b.ply --elements 0", "solve a.xml -o b.ply --hemicube-resolution 1",
         "render a.xml -o b.exr --solution c.radiosity --solver lu",
         "render a.xml -o b.exr --elements 10 --solution c.radiosity"})
@@ -253,6 +254,48 @@ TEST_F(Program, CompareMeasuresAndEnforcesLimits) {
   EXPECT_EQ(exceeded.exit_code, 1);
   EXPECT_NE(exceeded.err.find("relmse"), std::string::npos);
   EXPECT_EQ(run("compare a.exr b.exr --max beauty=1").exit_code, 1);
+}
+
+TEST_F(Program, CompareAPartAndWriteAReport) {
+  ASSERT_EQ(run("render " + box_ + "-o a.exr --spp 4").exit_code, 0);
+  ASSERT_EQ(run("render " + box_ + "-o b.exr --spp 4 --seed 3").exit_code, 0);
+  ASSERT_EQ(run("compare a.exr b.exr --crop 30,20,10,15 --json part.json --html part.html").exit_code, 0);
+  const auto part = nlohmann::json::parse(read(folder_ / "part.json"));
+  EXPECT_EQ(part["size"], nlohmann::json({10, 15}));
+  for (const char* key : {"bias2", "variance", "energy_ci95"}) EXPECT_TRUE(part.contains(key)) << key;
+  EXPECT_NE(read(folder_ / "part.html").find("a.exr against b.exr"), std::string::npos);
+  const Outcome beyond = run("compare a.exr b.exr --crop 31,20,10,15");
+  EXPECT_EQ(beyond.exit_code, 1);
+  EXPECT_NE(beyond.err.find("inside of 40x40"), std::string::npos) << beyond.err;
+  EXPECT_EQ(run("compare a.exr b.exr --html nowhere/a.html").exit_code, 1);
+}
+
+TEST_F(Program, BenchWritesItsFilesAndKeepsReferences) {
+  const std::string command = "bench '" TWOPASS_SOURCE_DIR
+                              "/scenes/cornell-box/scene.xml' -o out --size 16 --seeds 2 --time 0.2 "
+                              "--reference-time 0.4 --no-peers --integrators path,twopass";
+  ASSERT_EQ(run(command).exit_code, 0);
+  const auto results = nlohmann::json::parse(read(folder_ / "out/results.json"));
+  EXPECT_EQ(results["complete"], true);
+  const auto& scene = results["scenes"][0];
+  EXPECT_EQ(scene["name"], "cornell-box");
+  EXPECT_EQ(scene["reference"]["cached"], false);
+  EXPECT_GT(scene["reference"]["own_relmse"], 0.0);
+  ASSERT_EQ(scene["series"].size(), 2u);
+  const auto& points = scene["series"][0]["points"];
+  ASSERT_GE(points.size(), 2u);
+  EXPECT_GT(points.front()["relmse"], points.back()["relmse"]) << "more samples, less error";
+  EXPECT_GT(scene["series"][1]["points"][0]["pass_one_seconds"], 0.0);
+  EXPECT_EQ(scene["series"][0]["points"][0]["pass_one_share"], 0.0);
+  EXPECT_EQ(read(folder_ / "out/results.csv").substr(0, 13), "scene,method,");
+  EXPECT_NE(read(folder_ / "out/report.html").find("<svg"), std::string::npos);
+  ASSERT_EQ(run(command + " --pass-one --solvers cg,stochastic --form-factors rays --elements 200").exit_code, 0);
+  const auto pass_one = nlohmann::json::parse(read(folder_ / "out/results.json"))["scenes"][0];
+  EXPECT_EQ(pass_one["reference"]["cached"], true);
+  ASSERT_EQ(pass_one["pass_one"].size(), 2u);
+  EXPECT_EQ(pass_one["pass_one"][1]["solver"], "stochastic");
+  for (const auto& result : pass_one["pass_one"]) EXPECT_NEAR(result["energy_ratio"][0], 1.0, 0.1);
+  EXPECT_EQ(run("bench missing.xml -o out --no-peers --minutes 0.01").exit_code, 1);
 }
 
 TEST_F(Program, InfoTellsWhatIsThereAndWhatIsSkipped) {
