@@ -116,7 +116,7 @@ class Parts {
 
 BenchReference rendered(const BenchSubject& subject, double seconds) {
   const std::unique_ptr<Integrator> path =
-      make_integrator(IntegratorKind::path, subject.scene, nullptr, subject.limits);
+      make_integrator(IntegratorKind::path, subject.scene, {}, subject.limits);
   const auto render = [&](Film& film, int samples, std::uint32_t seed) {
     render_image({.integrator = *path,
                   .camera = subject.camera,

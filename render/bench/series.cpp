@@ -6,8 +6,8 @@
 
 #include "render/core/interrupt.h"
 #include "render/image/compare.h"
-#include "render/render_image.h"
 #include "render/pass_one.h"
+#include "render/render_image.h"
 
 namespace twopass {
 

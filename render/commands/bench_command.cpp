@@ -114,7 +114,7 @@ class Bench {
     for (const std::string& failure : failures_) std::fprintf(stderr, "%s\n", failure.c_str());
     if (interrupt_requested()) {
       console_.note("interrupted: kept what was done");
-      return exit_interrupted;
+      return exit_interrupted();
     }
     return failures_.empty() ? 0 : 1;
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"
+#include "radiosity/solution.h"
 #include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 

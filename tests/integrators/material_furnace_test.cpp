@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"
+#include "radiosity/solution.h"
 #include "tests/materials/cases.h"
 #include "tests/support/scenes.h"
 #include "tests/support/statistics.h"

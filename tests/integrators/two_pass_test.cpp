@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/path.h"
+#include "radiosity/indirect_field.h"
 #include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 
@@ -63,7 +64,7 @@ TEST(TwoPass, LooksIndirectLightUp) {
 
 TEST(TwoPass, WithoutASolutionItIsAPathTracer) {
   const Scene scene(furnished_room());
-  const TwoPass two_pass(scene, nullptr, nullptr, {});
+  const TwoPass two_pass(scene, {}, {});
   const PathTracer path(scene, {});
   RayCounts a, b;
   for (std::uint32_t i = 0; i < 500; ++i) {

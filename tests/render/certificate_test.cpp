@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"
+#include "radiosity/solution.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "tests/support/scenes.h"
