@@ -8,6 +8,12 @@ namespace twopass {
 struct Elapsed {
   double seconds = 0.0;      ///< wall clock
   double cpu_seconds = 0.0;  ///< user and system time of the whole process, all threads
+
+  Elapsed& operator+=(const Elapsed& other) {
+    seconds += other.seconds;
+    cpu_seconds += other.cpu_seconds;
+    return *this;
+  }
 };
 
 class Stopwatch {

@@ -1,8 +1,6 @@
 // twopass render: one picture.
 #include <cstdio>
 
-#include "radiosity/guide.h"
-#include "radiosity/solution_file.h"
 #include "render/commands/command.h"
 #include "render/commands/radiosity_options.h"
 #include "render/commands/scene_options.h"
@@ -10,6 +8,7 @@
 #include "render/core/parallel.h"
 #include "render/image/atomic_file.h"
 #include "render/image/picture.h"
+#include "render/session.h"
 #include "render/statistics.h"
 #include "render/version.h"
 
@@ -121,110 +120,6 @@ std::string clamp_text(const PathLimits& limits) {
   return text;
 }
 
-// Most diffuse reflections that the solution may hold for this render; -1: all.
-int max_reflections_of(const Settings& settings) {
-  return settings.limits.max_depth < 0 ? -1
-                                       : settings.limits.max_depth - edges_to_solution(settings.integrator);
-}
-
-std::string reflections_text(int max_reflections) {
-  return max_reflections < 0 ? "any number of reflections"
-                             : "at most " + std::to_string(max_reflections) + " reflections";
-}
-
-// A solution of other paths than this render's would be a picture of neither.
-Solution load_fitting_solution(const Scene& scene, const std::string& file, int max_reflections) {
-  Solution solution = load_solution(file, scene);
-  const int held = solution.stats().max_reflections;
-  if (held != max_reflections)
-    throw Error(file,
-                "it holds light of " + reflections_text(held) + ", this render needs that of " +
-                    reflections_text(max_reflections),
-                "make it again with twopass solve --max-reflections " + std::to_string(max_reflections) +
-                    ", or change --max-depth");
-  return solution;
-}
-
-std::optional<Solution> run_radiosity(const Scene& scene, const RenderOptions& options,
-                                      const Settings& settings, const Plan& plan, const Console& console,
-                                      RenderStatistics& statistics) {
-  if (!plan.radiosity_pass) {
-    for (const Skipped& skipped : plan.skipped)
-      if (!options.solution_file.empty() && skipped.what == "radiosity pass")
-        console.note(options.solution_file + ": not needed, because " + skipped.why);
-    return std::nullopt;
-  }
-  const int max_reflections = max_reflections_of(settings);
-  RadiosityOptions radiosity = options.radiosity.settle(settings.seed);
-  radiosity.max_reflections = max_reflections;
-  if (settings.integrator == IntegratorKind::two_pass)
-    radiosity.gathered_pixels =
-        static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
-  const Stopwatch stopwatch;
-  Solution solution = options.solution_file.empty()
-                          ? solve_radiosity(scene, radiosity)
-                          : load_fitting_solution(scene, options.solution_file, max_reflections);
-  statistics.radiosity_time = stopwatch.elapsed();
-  statistics.radiosity = solution.stats();
-  for (const std::string& note : solution.stats().notes) console.note(note);
-  if (!options.solution_file.empty()) console.note("radiosity pass: taken from " + options.solution_file);
-  char text[200];
-  std::snprintf(text, sizeof text, "radiosity: %zu elements, %s, %s, %zu iterations, error bound %.2g, %.2f s",
-                solution.stats().elements, solution.stats().form_factors.c_str(),
-                solution.stats().solver.c_str(), solution.stats().iterations, solution.stats().error_bound,
-                statistics.radiosity_time.seconds);
-  console.note(text);
-  return solution;
-}
-
-// A guide costs about this many rays: where fewer are to be cast, it would only cost.
-constexpr double rays_of_guide = 1e6;
-// Of the rays of a picture, those of its certificate.
-constexpr double certificate_share = 0.05;
-
-// Measures the bias of a picture that reads a solution (I13).
-std::optional<Certificate> run_certificate(const Scene& scene, const Solution& solution,
-                                           const Integrator& integrator, const Guide* guide,
-                                           const Camera& camera, const Settings& settings,
-                                           const RenderOutcome& outcome) {
-  const double rays = certificate_share * static_cast<double>(outcome.counts.rays + outcome.counts.shadow_rays);
-  std::optional<Guide> own;
-  if (!guide && rays > 2.0 * rays_of_guide) guide = &own.emplace(scene, solution);
-  // What clamps do to the picture is part of its bias.
-  PathLimits limits = settings.limits;
-  limits.clamp_direct = limits.clamp_indirect = infinity_f;
-  const std::unique_ptr<Integrator> truth =
-      make_integrator(IntegratorKind::unbiased, scene, &solution, nullptr, limits, guide);
-  return certify({.biased = integrator,
-                  .unbiased = *truth,
-                  .camera = camera,
-                  .width = settings.window.size.x,
-                  .height = settings.window.size.y,
-                  .corner = settings.window.corner,
-                  .seed = settings.seed,
-                  .most_rays = rays});
-}
-
-// What the picture may look up instead of gathering. Its time and rays are part of pass one.
-std::optional<IndirectField> prepare_field(const Scene& scene, const Solution* solution,
-                                           const Settings& settings, const Plan& plan, const Console& console,
-                                           RenderStatistics& statistics) {
-  if (!plan.indirect_field) return std::nullopt;
-  const Stopwatch stopwatch;
-  IndirectFieldOptions field_options;
-  field_options.seed = settings.seed;
-  IndirectField field(scene, *solution, field_options);
-  const Elapsed elapsed = stopwatch.elapsed();
-  statistics.radiosity_time.seconds += elapsed.seconds;
-  statistics.radiosity_time.cpu_seconds += elapsed.cpu_seconds;
-  char text[120];
-  std::snprintf(text, sizeof text,
-                "indirect light: looked up on %.0f %% of the area, gathered elsewhere, %.2f s",
-                100.0 * field.trusted_share(), elapsed.seconds);
-  console.note(text);
-  return field;
-}
-
 ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
                        const RenderStatistics& s) {
   ExrOptions exr;
@@ -261,10 +156,9 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
   if (s.bias)
     std::printf("bias of the picture's mean: %+.2f %% +- %.2f %% (95 %% confidence, %.2g samples)\n",
                 100.0 * s.bias->mean, 100.0 * s.bias->ci95, static_cast<double>(s.bias->samples));
-  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16). Nobody sees noise
-  // below a thousandth.
-  if (std::isfinite(s.relative_error) &&
-      s.relative_error_bound > std::max(1e-3, 1.22 * s.relative_error)) {
+  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16). Nobody sees
+  // noise below a thousandth.
+  if (std::isfinite(s.relative_error) && s.relative_error_bound > std::max(1e-3, 1.22 * s.relative_error)) {
     char text[200];
     std::snprintf(
         text, sizeof text,
@@ -312,25 +206,27 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const Scene scene(std::move(loaded.scene));
   s.build = stopwatch.elapsed();
 
-  const std::optional<Solution> solution = run_radiosity(scene, options, settings, plan, console, s);
-
-  const std::optional<IndirectField> field =
-      prepare_field(scene, solution ? &*solution : nullptr, settings, plan, console, s);
+  const Session session(scene,
+                        {.integrator = settings.integrator,
+                         .limits = settings.limits,
+                         .width = settings.width,
+                         .height = settings.height,
+                         .seed = settings.seed,
+                         .radiosity = options.radiosity.settle(settings.seed),
+                         .solution_file = options.solution_file},
+                        plan, console);
+  s.radiosity_time = session.radiosity_time();
+  if (session.solution()) s.radiosity = session.solution()->stats();
 
   stopwatch = Stopwatch();
-  std::optional<Guide> guide;
-  if (solution && is_guided(settings.integrator)) guide.emplace(scene, *solution);
   Film film(settings.window.size.x, settings.window.size.y);
-  const std::unique_ptr<Integrator> integrator =
-      make_integrator(settings.integrator, scene, solution ? &*solution : nullptr, field ? &*field : nullptr,
-                      settings.limits, guide ? &*guide : nullptr);
   const Camera camera(camera_description, settings.width, settings.height);
   const RayCone cone = scene.has_textures() ? sample_cone(camera, settings.width, settings.height,
                                                           settings.goal.samples_per_pixel)
                                             : RayCone{};
   {
     Progress progress(console, "rendering");
-    s.outcome = render_image({.integrator = *integrator,
+    s.outcome = render_image({.integrator = session.integrator(),
                               .camera = camera,
                               .filter = loaded.settings.filter,
                               .goal = settings.goal,
@@ -341,10 +237,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                               .corner = settings.window.corner},
                              film);
   }
-  if (solution && options.certificate && settings.integrator == IntegratorKind::two_pass)
-    s.bias =
-        run_certificate(scene, *solution, *integrator, guide ? &*guide : nullptr, camera, settings, s.outcome);
+  if (options.certificate) s.bias = session.certify_picture(camera, settings.window, s.outcome.counts);
   s.render = stopwatch.elapsed();
+  s.render += session.guide_time();
   note_tiled_textures(console, loaded.tiled_textures);
 
   s.scene_file = options.scene.file;
