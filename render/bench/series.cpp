@@ -138,7 +138,7 @@ BenchSeries measure_series(const BenchSubject& subject, IntegratorKind kind, con
          .radiosity = radiosity_options(kind, subject.limits, subject.camera, window, radiosity)});
     const auto integrator = make_integrator(kind, subject.scene, prepared.view(), subject.limits);
     time += part.elapsed();
-    const Elapsed pass_one = time;
+    const Elapsed pass_one = prepared.time();
     Film film(subject.width, subject.height);
     std::uint64_t rays = 0;
     const int last_samples = collector.last_samples();  // of the first run
