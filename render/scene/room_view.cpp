@@ -14,7 +14,7 @@ constexpr float eye_height = 0.55f;     // over the height of the room
 constexpr int grid = 12;                // places along x and z
 constexpr int directions = 64;          // to look around
 constexpr float mostly = 0.6f;          // of what is seen
-// Large, so that little of its light is noise: radius over the narrow side of the room.
+// Large, so that little of its light is noise: half its side over the narrow side of the room.
 constexpr float lamp_size = 0.2f;
 constexpr float mean_radiance = 0.3f;  // of walls of albedo 1/2
 constexpr float clearance = 0.02f;     // of the diagonal: nothing may be nearer to the camera
@@ -129,17 +129,23 @@ class Surroundings {
     const Hit ahead = caster_.intersect(forward);
     const float depth = ahead.escaped() ? bounds_.size().length() : ahead.t;
     const V3f below = forward.origin + forward.direction * (0.5f * depth);
-    const Hit ceiling = caster_.intersect({below, {0.0f, 1.0f, 0.0f}});
-    const float height = ceiling.escaped() ? bounds_.max.y - below.y : ceiling.t;
     const V3f size = bounds_.size();
-    const float radius = std::min(lamp_size * std::min(size.x, size.z), 0.5f * height);
-    view.lamp.center = below + V3f(0.0f, 0.95f * height, 0.0f);
-    view.lamp.x = V3f(radius, 0.0f, 0.0f);
-    view.lamp.y = V3f(0.0f, 0.0f, radius);  // x cross y points down
-    // Half of the light is lost at each reflection: with power L pi^2 r^2 over an area S of albedo 1/2,
-    // radiance is power / (pi S).
+    float half = lamp_size * std::min(size.x, size.z), height = bounds_.max.y - below.y;
+    // The lowest ceiling above its middle and its corners.
+    for (const V2f& place : {V2f(0, 0), V2f(-1, -1), V2f(1, -1), V2f(1, 1), V2f(-1, 1)}) {
+      const V3f foot = below + V3f(place.x * half, 0.0f, place.y * half);
+      const Hit ceiling = caster_.intersect({foot, {0.0f, 1.0f, 0.0f}});
+      if (!ceiling.escaped()) height = std::min(height, ceiling.t);
+    }
+    half = std::min(half, 0.5f * height);
+    const V3f middle = below + V3f(0.0f, 0.95f * height, 0.0f);
+    const V3f x(half, 0.0f, 0.0f), z(0.0f, 0.0f, half);
+    view.lamp.positions = {middle - x - z, middle + x - z, middle + x + z, middle - x + z};
+    view.lamp.triangles = {V3u(0, 1, 2), V3u(0, 2, 3)};
+    // With power pi L (2 half)^2 and all of the area S of albedo 1/2, irradiance is 2 power / S, radiance
+    // power / (pi S).
     const float area = 2.0f * (size.x * size.y + size.y * size.z + size.z * size.x);
-    view.radiance = mean_radiance * area / (pi_f * radius * radius);
+    view.radiance = mean_radiance * area / (4.0f * half * half);
   }
 
   std::span<const Shape> shapes_;

@@ -13,7 +13,7 @@ namespace twopass {
 /// How to show a room.
 struct RoomView {
   CameraDescription camera;  ///< inside of it, at eye height, up +y: where the view to the middle is deepest
-  Disk lamp;                 ///< below the ceiling, in front of the camera; shines down
+  Mesh lamp;                 ///< a rectangle below the ceiling, in front of the camera; its front is below
   float radiance = 0.0f;     ///< of the lamp, W/(m2 sr): walls of albedo 1/2 have a mean radiance of about 0.3
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/scene/geometry.h"
 #include "render/scene/scene.h"
 #include "tests/support/scenes.h"
 
@@ -41,14 +42,20 @@ TEST(RoomView, AClosedRoomIsSeenFromInsideUnderALamp) {
   EXPECT_GT((eye - middle).length(), 3.0f) << "in a corner";
   EXPECT_GT(forward_of(*view).dot((middle - eye).normalized()), 0.9f);
   // The lamp hangs below the ceiling, shines down and is met by rays from below.
-  const Disk& lamp = view->lamp;
-  for (const V3f& rim : {lamp.x, lamp.y, -lamp.x, -lamp.y})
-    EXPECT_TRUE(is_inside(lamp.center + rim, V3f(0.0f), size));
-  EXPECT_GT(lamp.center.y, 2.0f);
-  EXPECT_LT(lamp.x.cross(lamp.y).y, 0.0f);
-  EXPECT_FALSE(lamp.reversed);
-  // Its power, evenly on all walls, and again half of what arrives: a mean radiance of 0.3.
-  const float area = 2.0f * (8 * 3 + 3 * 5 + 5 * 8), power = pi_f * view->radiance * pi_f * lamp.x.dot(lamp.x);
+  const Mesh& lamp = view->lamp;
+  for (const V3f& corner : lamp.positions) {
+    EXPECT_TRUE(is_inside(corner, V3f(0.0f), size));
+    EXPECT_GT(corner.y, 2.0f);
+  }
+  float lamp_area = 0.0f;
+  for (std::uint32_t t = 0; t < 2; ++t) {
+    const auto p = corners(lamp, t);
+    const V3f normal = (p[1] - p[0]).cross(p[2] - p[0]);
+    EXPECT_LT(normal.y, 0.0f);
+    lamp_area += 0.5f * normal.length();
+  }
+  // Its power, evenly on all walls, and again half of what arrives, and so on: a mean radiance of 0.3.
+  const float area = 2.0f * (8 * 3 + 3 * 5 + 5 * 8), power = pi_f * view->radiance * lamp_area;
   EXPECT_NEAR(power / (0.5f * area) * 0.5f / pi_f, 0.3f, 1e-3f);
 }
 
@@ -70,7 +77,7 @@ TEST(RoomView, AnalyticRoomsToo) {
   const std::optional<RoomView> view = find_room_view(scene.shapes);
   ASSERT_TRUE(view);
   EXPECT_LT(eye_of(*view).length(), 4.0f);
-  EXPECT_LT(view->lamp.center.length(), 4.0f);
+  EXPECT_LT(view->lamp.positions[0].length(), 4.0f);
 }
 
 TEST(RoomView, FurnitureIsNotStoodIn) {
@@ -81,7 +88,7 @@ TEST(RoomView, FurnitureIsNotStoodIn) {
   const std::optional<RoomView> view = find_room_view(scene.shapes);
   ASSERT_TRUE(view);
   EXPECT_GT(eye_of(*view).z, 6.0f);
-  EXPECT_GT(view->lamp.center.z, 6.0f);
+  EXPECT_GT(view->lamp.positions[0].z, 6.0f);
 }
 
 }  // namespace
