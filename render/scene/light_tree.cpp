@@ -114,124 +114,169 @@ Cut best_cut(std::span<const LightBounds> lights, std::span<const std::uint32_t>
   return best;
 }
 
-// cos(max(0, a - b)) of two angles in [0, pi].
-float cos_difference(float cos_a, float sin_a, float cos_b, float sin_b) {
-  return cos_a > cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
-}
-float sin_difference(float cos_a, float sin_a, float cos_b, float sin_b) {
-  return cos_a > cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
-}
-float sine_of(float cosine) { return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)); }
+// Lights that belong together, in a binary tree.
+struct Cluster {
+  LightBounds bounds;
+  std::uint32_t count;  // of its lights
+  std::uint32_t child;  // the first of two that follow each other; of one light, its number
+};
 
-}  // namespace
-
-LightTree::LightTree(std::span<const LightBounds> lights) : leaf_(lights.size()) {
-  if (lights.empty()) return;
+// The first is the root.
+std::vector<Cluster> clusters_of(std::span<const LightBounds> lights) {
   std::vector<std::uint32_t> order(lights.size());
   std::iota(order.begin(), order.end(), 0u);
-  nodes_.reserve(2 * lights.size());
-  nodes_.emplace_back();
-  nodes_[0].parent = inner;
-  build(0, lights, order);
-  // Where lights without extent would be infinitely near.
-  constexpr float part = 1e-6f;
-  least_distance2_ = std::max(part * part * nodes_[0].radius * nodes_[0].radius, 1e-30f);
-}
-
-void LightTree::build(std::uint32_t root, std::span<const LightBounds> lights, std::span<std::uint32_t> order) {
   struct Task {
-    std::uint32_t node;
+    std::size_t cluster;
     std::span<std::uint32_t> order;
   };
-  std::vector<Task> tasks{{root, order}};
+  std::vector<Cluster> clusters(1);
+  clusters.reserve(2 * lights.size());
+  std::vector<Task> tasks{{0, order}};
   while (!tasks.empty()) {
     const Task task = tasks.back();
     tasks.pop_back();
     LightBounds bounds;
     for (const std::uint32_t i : task.order) unite(bounds, lights[i]);
-    Node& node = nodes_[task.node];
-    node.center = middle(bounds);
-    // A few units in the last place larger, so that it holds the box in spite of rounding.
-    const float rounding = 4.0f * std::numeric_limits<float>::epsilon() * max_abs_component(node.center);
-    node.radius = 0.5f * (bounds.box.max - bounds.box.min).length() * 1.000001f + rounding;
-    node.axis = bounds.axis;
-    node.cos_cone = bounds.cos_cone;
-    node.sin_cone = sine_of(bounds.cos_cone);
-    node.power = bounds.power;
-    node.is_two_sided = bounds.is_two_sided;
-    node.light = inner;
-    if (task.order.size() == 1) {
-      node.light = task.order[0];
-      leaf_[node.light] = task.node;
-      continue;
-    }
+    Cluster& cluster = clusters[task.cluster];
+    cluster = {bounds, static_cast<std::uint32_t>(task.order.size()), task.order[0]};
+    if (cluster.count == 1) continue;
     const Cut cut = best_cut(lights, task.order);
     auto split = std::partition(task.order.begin(), task.order.end(),
                                 [&](std::uint32_t i) { return middle(lights[i])[cut.axis] < cut.position; });
     // All in one place: by number.
     if (split == task.order.begin() || split == task.order.end())
       split = task.order.begin() + static_cast<std::ptrdiff_t>(task.order.size() / 2);
-    const auto child = node.child = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.resize(nodes_.size() + 2);  // `node` is no longer valid
-    nodes_[child].parent = nodes_[child + 1].parent = task.node;
-    tasks.push_back({child, {task.order.begin(), split}});
-    tasks.push_back({child + 1, {split, task.order.end()}});
+    cluster.child = static_cast<std::uint32_t>(clusters.size());
+    tasks.push_back({clusters.size(), {task.order.begin(), split}});
+    tasks.push_back({clusters.size() + 1, {split, task.order.end()}});
+    clusters.resize(clusters.size() + 2);
   }
+  return clusters;
 }
 
-float LightTree::importance(const Node& node, const Receiver& receiver) const {
+// The clusters below one that stand side by side in a wide node: whichever has the most lights gives way to its
+// two parts while there is room, so that the tree is shallow. (One light alone stays as it is.)
+std::vector<std::uint32_t> opened(std::span<const Cluster> clusters, std::uint32_t root, std::size_t most) {
+  std::vector<std::uint32_t> open{root};
+  while (open.size() < most) {
+    const auto largest = std::ranges::max_element(open, {}, [&](std::uint32_t i) { return clusters[i].count; });
+    if (clusters[*largest].count == 1) break;
+    *largest = clusters[*largest].child;
+    open.push_back(*largest + 1);
+  }
+  return open;
+}
+
+}  // namespace
+
+LightTree::LightTree(std::span<const LightBounds> lights) : leaf_(lights.size()) {
+  if (lights.empty()) return;
+  const std::vector<Cluster> clusters = clusters_of(lights);
+  struct Task {
+    std::uint32_t cluster, parent;
+  };
+  std::vector<Task> tasks{{0, none}};
+  while (!tasks.empty()) {
+    const Task task = tasks.back();
+    tasks.pop_back();
+    const auto number = static_cast<std::uint32_t>(nodes_.size());
+    Node& node = nodes_.emplace_back();
+    node.parent = task.parent;
+    if (task.parent != none) nodes_[task.parent / width].child[task.parent % width] = number;
+    const std::vector<std::uint32_t> children = opened(clusters, task.cluster, width);
+    for (std::uint32_t k = 0; k < children.size(); ++k) {
+      const Cluster& child = clusters[children[k]];
+      set_child(node, k, child.bounds);
+      const auto place = static_cast<std::uint32_t>(number * width + k);
+      if (child.count > 1) {
+        tasks.push_back({children[k], place});
+        continue;
+      }
+      node.child[k] = is_light | child.child;
+      leaf_[child.child] = place;
+    }
+  }
+  // Where lights without extent would be infinitely near.
+  constexpr float part = 1e-6f;
+  const float size = 0.5f * (clusters[0].bounds.box.max - clusters[0].bounds.box.min).length();
+  least_distance2_ = std::max(part * part * size * size, 1e-30f);
+}
+
+void LightTree::set_child(Node& node, std::size_t k, const LightBounds& bounds) {
+  const V3f center = middle(bounds);
+  node.center_x[k] = center.x, node.center_y[k] = center.y, node.center_z[k] = center.z;
+  // A few units in the last place larger, so that it holds the box in spite of rounding.
+  const float rounding = 4.0f * std::numeric_limits<float>::epsilon() * max_abs_component(center);
+  node.radius[k] = 0.5f * (bounds.box.max - bounds.box.min).length() * 1.000001f + rounding;
+  node.axis_x[k] = bounds.axis.x, node.axis_y[k] = bounds.axis.y, node.axis_z[k] = bounds.axis.z;
+  node.cos_cone[k] = bounds.cos_cone;
+  node.sin_cone[k] = std::sqrt(std::max(0.0f, 1.0f - bounds.cos_cone * bounds.cos_cone));
+  node.both_sides[k] = bounds.is_two_sided ? 1.0f : 0.0f;
+  node.power[k] = bounds.power;
+}
+
+LightTree::Sums LightTree::sums_of_importance(const Node& node, const Receiver& receiver) const {
   // Added to cosines, so that neither rounding nor a bound that is nearly tight excludes a light.
   constexpr float slack = 1e-3f;
-  const V3f to_light = node.center - receiver.position;
-  const float distance2 = to_light.dot(to_light), radius2 = node.radius * node.radius;
-  const float near2 = std::max({distance2, radius2, least_distance2_});
-  if (distance2 <= radius2) return node.power / near2;
-  const V3f direction = to_light * (1.0f / std::sqrt(distance2));
-  const float sin_b = std::sqrt(radius2 / distance2), cos_b = sine_of(sin_b);
-  float result = node.power / near2;
-  if (node.cos_cone > -1.0f) {
-    const float cosine = -direction.dot(node.axis);
-    const float cos_w = node.is_two_sided ? std::abs(cosine) : cosine, sin_w = sine_of(cos_w);
-    const float cos_x = cos_difference(cos_w, sin_w, node.cos_cone, node.sin_cone);
-    const float sin_x = sin_difference(cos_w, sin_w, node.cos_cone, node.sin_cone);
-    result *= std::max(0.0f, cos_difference(cos_x, sin_x, cos_b, sin_b) + slack);
+  const V3f &p = receiver.position, &n = receiver.normal;
+  // Where the receiver's normal does not matter, all lights are as if straight above.
+  const float unlit = receiver.is_diffuse ? 0.0f : infinity_f;
+  Lanes importance;
+  for (std::size_t k = 0; k < width; ++k) {
+    const float x = node.center_x[k] - p.x, y = node.center_y[k] - p.y, z = node.center_z[k] - p.z;
+    const float distance2 = x * x + y * y + z * z, distance = std::sqrt(distance2);
+    const float radius = node.radius[k], radius2 = radius * radius, wider = radius + slack * distance;
+    // Cosines times the distance, and not above it. Of the least angle to a normal in the cone:
+    const float along = -(x * node.axis_x[k] + y * node.axis_y[k] + z * node.axis_z[k]);
+    const float towards = node.both_sides[k] > 0.0f ? std::abs(along) : along;
+    const float across = std::sqrt(std::max(distance2 - towards * towards, 0.0f));
+    const float at_rim = towards * node.cos_cone[k] + across * node.sin_cone[k];
+    const float in_cone = towards >= distance * node.cos_cone[k] ? distance : at_rim;
+    const float emitted = std::min(std::max(in_cone + wider, 0.0f), distance);
+    const float above = x * n.x + y * n.y + z * n.z;
+    const float received = std::min(std::max(above + wider, unlit), distance);
+    const float inverse = 1.0f / distance;
+    const float cosines = distance2 > radius2 ? (emitted * inverse) * (received * inverse) : 1.0f;
+    importance[k] = node.power[k] * cosines / std::max(std::max(distance2, radius2), least_distance2_);
   }
-  if (receiver.is_diffuse) {
-    const float cos_i = direction.dot(receiver.normal);
-    result *= std::max(0.0f, cos_difference(cos_i, sine_of(cos_i), cos_b, sin_b) + slack);
-  }
-  return result;
+  // In pairs, which takes half the time; never falling, for the sums share their first terms.
+  std::array<double, width> w;
+  for (std::size_t k = 0; k < width; ++k) w[k] = importance[k];
+  const double first2 = w[0] + w[1], first4 = first2 + (w[2] + w[3]), first6 = first4 + (w[4] + w[5]);
+  return {w[0], first2, first2 + w[2], first4, first4 + w[4], first6, first6 + w[6], first6 + (w[6] + w[7])};
 }
 
 LightTree::Choice LightTree::sample(const Receiver& receiver, const V2f& u) const {
   // Each level uses digits up, and single precision has 24: the rest comes from both numbers, hashed.
   const std::uint64_t more =
       hash_words(std::bit_cast<std::uint32_t>(u.x), std::bit_cast<std::uint32_t>(u.y)) >> 35;
-  double x = u.x + static_cast<double>(more) * 0x1p-53;
-  float probability = 1.0f;
-  const Node* node = &nodes_[0];
-  while (node->light == inner) {
-    const Node* child = &nodes_[node->child];
-    const float a = importance(child[0], receiver), b = importance(child[1], receiver);
-    if (!(a + b > 0.0f)) return {0, 0.0f, 0.0f};
-    const float first = a / (a + b);
-    const bool takes_first = x < first;
-    x = takes_first ? x / first : (x - first) / (1.0 - first);
-    probability *= takes_first ? first : b / (a + b);
-    node = takes_first ? child : child + 1;
+  double x = u.x + static_cast<double>(more) * 0x1p-53, probability = 1.0;
+  for (const Node* node = &nodes_[0];;) {
+    const Sums sums = sums_of_importance(*node, receiver);
+    const double total = sums.back(), wanted = x * total;
+    if (!(total > 0.0)) return {0, 0.0f, 0.0f};
+    std::size_t k = 0;
+    for (std::size_t i = 0; i + 1 < width; ++i) k += sums[i] <= wanted;
+    // Rounding may lead to a child without importance behind the last that has some.
+    while (k > 0 && sums[k] == sums[k - 1]) --k;
+    const double before = k > 0 ? sums[k - 1] : 0.0, own = sums[k] - before;
+    x = std::clamp((wanted - before) / own, 0.0, 0x1.fffffep-1);
+    probability *= own / total;
+    const std::uint32_t child = node->child[k];
+    if (child & is_light) return {child & ~is_light, static_cast<float>(probability), static_cast<float>(x)};
+    node = &nodes_[child];
   }
-  return {node->light, probability, std::min(static_cast<float>(x), 0x1.fffffep-1f)};
 }
 
 float LightTree::probability(const Receiver& receiver, std::uint32_t light) const {
-  float probability = 1.0f;
-  for (std::uint32_t i = leaf_[light]; nodes_[i].parent != inner; i = nodes_[i].parent) {
-    const std::uint32_t child = nodes_[nodes_[i].parent].child;
-    const float a = importance(nodes_[child], receiver), b = importance(nodes_[child + 1], receiver);
-    if (!(a + b > 0.0f)) return 0.0f;
-    probability *= (i == child ? a : b) / (a + b);
+  double probability = 1.0;
+  for (std::uint32_t place = leaf_[light]; place != none; place = nodes_[place / width].parent) {
+    const Sums sums = sums_of_importance(nodes_[place / width], receiver);
+    if (!(sums.back() > 0.0)) return 0.0f;
+    const std::size_t k = place % width;
+    probability *= (sums[k] - (k > 0 ? sums[k - 1] : 0.0)) / sums.back();
   }
-  return probability;
+  return static_cast<float>(probability);
 }
 
 }  // namespace twopass

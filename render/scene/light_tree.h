@@ -1,6 +1,7 @@
 // Choosing one of many lights by what it may send to a receiver.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,8 @@ struct LightBounds {
   float power = 0.0f;          ///< > 0
 };
 
-/// A binary tree over lights, sampled from the root down by importance (L7): Conty Estevez and Kulla 2018,
-/// Pharr, Jakob and Humphreys 2023 (section 12.6.3). Const once built.
+/// A tree over lights with up to eight children a node, sampled from the root down by importance (L7): Conty
+/// Estevez and Kulla 2018, Pharr, Jakob and Humphreys 2023 (section 12.6.3). Const once built.
 class LightTree {
  public:
   LightTree() = default;
@@ -37,23 +38,25 @@ class LightTree {
   [[nodiscard]] float probability(const Receiver& receiver, std::uint32_t light) const;
 
  private:
-  static constexpr std::uint32_t inner = 0xffffffffu;
-  struct Node {
-    V3f center;  // of a sphere around the box
-    float radius;
-    V3f axis;
-    float cos_cone, sin_cone;
-    float power;
-    std::uint32_t parent;
-    std::uint32_t child;  // the first of two that follow each other
-    std::uint32_t light;  // `inner` if it has children
-    bool is_two_sided;
+  static constexpr std::size_t width = 8;
+  using Lanes = std::array<float, width>;
+  // Its children side by side, for vector instructions; those that are missing have no power, and come last.
+  struct alignas(64) Node {
+    Lanes center_x{}, center_y{}, center_z{}, radius{};  // of spheres around their boxes
+    Lanes axis_x{}, axis_y{}, axis_z{}, cos_cone{}, sin_cone{};
+    Lanes both_sides{};  // 1 where lights emit around the opposite normals, too
+    Lanes power{};
+    std::array<std::uint32_t, width> child{};  // a node, or a light and `is_light`
+    std::uint32_t parent = none;               // as in leaf_
   };
-  [[nodiscard]] float importance(const Node& node, const Receiver& receiver) const;
-  void build(std::uint32_t root, std::span<const LightBounds> lights, std::span<std::uint32_t> order);
+  static constexpr std::uint32_t is_light = 0x80000000u, none = 0xffffffffu;
+  // Sums of the children's importances up to each of them.
+  using Sums = std::array<double, width>;
+  [[nodiscard]] Sums sums_of_importance(const Node& node, const Receiver& receiver) const;
+  static void set_child(Node& node, std::size_t k, const LightBounds& bounds);
 
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> leaf_;  // by light
+  std::vector<std::uint32_t> leaf_;  // by light: node * width + child
   float least_distance2_ = 0.0f;     // below which all are equally near
 };
 
