@@ -36,7 +36,12 @@ const std::set<std::string> wrong_references = {"bsdf_blend"};
 const std::map<std::string, double> systematic_differences = {
     {"shape_obj", 0.003},       // smooth normals on a tetrahedron: we let no light through from below its faces
     {"shape_instance", 0.003},  // three of that tetrahedron; likely the same cause, not shown
-    {"light_sunsky", 0.004},    // the sun's radiance comes from another reduction of the same spectra
+    // Fitted to the reference, pictures of the sun and of the sky alone (4096 spp) have to be multiplied
+    // by 1.000, 0.999, 0.998 (sky; errors 0.003, 0.002, 0.001) and 0.996, 0.996, 0.998 (sun; 0.0007). Their sun
+    // stands in a disc whose cosine is rounded to 183 of 183.4 units of single precision, which takes less than
+    // 0.002 of it; the rest is likely another reduction of the same spectra. In the mean of the picture .0029,
+    // .0027, .0014.
+    {"light_sunsky", 0.003},
 };
 
 // What `twopass` may be off by, of the mean: the solution knows the elements' means, not how light varies on
