@@ -222,8 +222,10 @@ TEST_P(References, PathAgreesWithinTheNoise) {
 
 TEST_P(References, UnbiasedAgreesWithinTheNoise) {
   if (wrong_references.contains(GetParam())) GTEST_SKIP() << "the reference is wrong";
+  // Few samples of caustics scatter less than they err.
+  const int samples = GetParam() == "bsdf_principled_glass" ? 16 : 4;
   const Agreement agreement =
-      compare(GetParam(), IntegratorKind::unbiased, samples_of(4), systematic_difference(GetParam()));
+      compare(GetParam(), IntegratorKind::unbiased, samples_of(samples), systematic_difference(GetParam()));
   EXPECT_LE(agreement.failing, most_failing);
   EXPECT_LE(agreement.worst, most_sigmas);
 }
