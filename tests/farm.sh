@@ -100,20 +100,20 @@ unshare --pid --fork --kill-child --mount-proc slurmd -D -N n2 -f "$SLURM_CONF" 
 node2=$!
 disown
 idle() { [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = 2 ]; }
-wait_for 20 idle || { echo "SLURM does not start here: skipped" >&2; cat "$work"/*.out >&2; exit 77; }
+wait_for 120 idle || { echo "SLURM does not start here: skipped" >&2; cat "$work"/*.out >&2; exit 77; }
 
 jobs=$("$farm/slurm.sh" "$scene" "$work/slurm.exr" 4 "${options[@]}" --checkpoint-interval 0.1) || fail "submitting"
 read -r _ slices merge <<<"$jobs"
 # The power goes when the node has a checkpoint to lose no more than.
 lost_slice() { lost=$(squeue -h -w n2 -j "$slices" -t R -o %K 2>/dev/null); [ -n "$lost" ] && [ -f "$work/slurm.exr.farm/checkpoints/$lost.exr" ]; }
-wait_for 60 lost_slice || fail "no slice runs on the second node"
+wait_for 300 lost_slice || fail "no slice runs on the second node"
 kill -9 "$node2" && node2=
 echo "slice $lost is lost with its node"
 waits_again() { squeue -h -j "${slices}_$lost" -t PD -o %K 2>/dev/null | grep -q .; }
-wait_for 60 waits_again || fail "SLURM does not start the lost slice again"
+wait_for 300 waits_again || fail "SLURM does not start the lost slice again"
 scontrol update JobId="${slices}_$lost" StartTime=now  # it would wait two minutes
 done_() { ! squeue -h -o %i | grep -q .; }
-wait_for 120 done_ || fail "the jobs do not end: $(squeue)"
+wait_for 900 done_ || fail "the jobs do not end: $(squeue)"
 grep -q "^resumed .*checkpoints/$lost.exr" "$work/slurm.exr.farm/logs/slice-$lost.log" || fail "the lost slice began anew"
 echo "and went on from its checkpoint"
 [ -f "$work/slurm.exr" ] || fail "there is no picture (job $merge)"
@@ -122,7 +122,7 @@ echo "SLURM: the same picture"
 
 # GNU parallel, one slice of which is killed at first.
 kill_one() {
-  wait_for 30 test -f "$work/parallel.exr.farm/checkpoints/2.exr" || return
+  wait_for 120 test -f "$work/parallel.exr.farm/checkpoints/2.exr" || return
   for process in $(pgrep -x twopass); do
     tr '\0' ' ' <"/proc/$process/cmdline" | grep -q "parallel.exr.farm/parts/2.exr" && kill -9 "$process" && echo "slice 2 is killed"
   done

@@ -152,13 +152,14 @@ double seconds_with(const std::string& address, const std::function<void(const s
     }
     updates = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
-  EXPECT_LT(updates, 2.0) << "nobody waits for the viewer";
+  // If an update waited for the viewer, a thousand would take minutes.
+  EXPECT_LT(updates, 20.0) << "nobody waits for the viewer";
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 TEST(Preview, NobodyWaitsForAViewerThatIsStuck) {
   Viewer stuck(0, false);
-  EXPECT_LT(seconds_with(stuck.address(), silent), 5.0);
+  EXPECT_LT(seconds_with(stuck.address(), silent), 30.0);
 }
 
 TEST(Preview, NobodyWaitsForAViewerThatIsNotThere) {
@@ -168,7 +169,7 @@ TEST(Preview, NobodyWaitsForAViewerThatIsNotThere) {
     port = gone.port();
   }
   std::atomic<int> notes{0};
-  EXPECT_LT(seconds_with("127.0.0.1:" + std::to_string(port), [&](const std::string&) { ++notes; }), 5.0);
+  EXPECT_LT(seconds_with("127.0.0.1:" + std::to_string(port), [&](const std::string&) { ++notes; }), 30.0);
   EXPECT_EQ(notes, 1) << "it is said once";
 }
 

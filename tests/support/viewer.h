@@ -141,11 +141,11 @@ class Viewer {
   }
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  // Waits until `enough` of the pictures so far, at most ten seconds; false if it never is.
+  // Waits until `enough` of the pictures so far, at most a minute; false if it never is.
   template <class Enough>
   bool wait(const Enough& enough) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::seconds(10), [&] { return enough(pictures_); });
+    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return enough(pictures_); });
   }
   std::map<std::string, ViewedPicture> pictures() {
     const std::lock_guard lock(mutex_);
