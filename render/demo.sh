@@ -24,7 +24,8 @@ echo "== With a mirror and glass =="
   -o "$out/cornell-box-specular-twopass.exr" -o "$out/cornell-box-specular-twopass.png"
 echo
 echo "== The two-pass picture against the path-traced one =="
-"$program" compare "$out/cornell-box-twopass.exr" "$out/cornell-box-path.exr" --json "$out/comparison.json"
+"$program" compare "$out/cornell-box-twopass.exr" "$out/cornell-box-path.exr" --json "$out/comparison.json" \
+  --html "$out/comparison.html"
 echo
-echo "Open $PWD/$out/cornell-box-twopass.png and $PWD/$out/cornell-box-path.png;"
+echo "Open $PWD/$out/comparison.html to look at both, or cornell-box-twopass.png and cornell-box-path.png beside it;"
 echo "the .exr files beside them are scene-linear, for compositing."

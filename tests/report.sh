@@ -14,7 +14,7 @@ open() {  # open FRAGMENT OPTION...: the page in the browser
   local fragment=$1
   shift
   timeout 100 "$browser" --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --hide-scrollbars --force-device-scale-factor=1 \
-    --host-resolver-rules="MAP * ~NOTFOUND" --user-data-dir="$folder/profile" --window-size=1200,1500 \
+    --host-resolver-rules="MAP * ~NOTFOUND" --user-data-dir="$folder/profile" --window-size=900,900 \
     "$@" "file://$folder/report.html#$fragment" 2>"$folder/browser.log"
 }
 
@@ -30,24 +30,24 @@ grep -q 'pixel 20, 30' <<<"$dom" || fail "no pixel is read out"
 number() { grep -A4 'pixel 20, 30' <<<"$dom" | awk -v row="$1" '$1 == row { print $2 }'; }
 test_red=$(number test) reference_red=$(number reference)
 "$program" compare twopass.exr path.exr --crop 20,30,1,1 --json pixel.json --quiet
-ratio=$(grep -A1 '"energy_ratio"' pixel.json | tail -1 | tr -d ' ,')
+ratio=$(grep -A1 '"energy_ratio"' pixel.json | head -2 | tail -1 | tr -d ' ,')
 awk -v t="$test_red" -v r="$reference_red" -v ratio="$ratio" \
   'BEGIN { exit !(r > 0 && t > 0 && (t / r - ratio) ^ 2 < (1e-5 * ratio) ^ 2) }' ||
   fail "the pixel is read out as $test_red and $reference_red, their ratio is $ratio"
 
 # Each way to look shows something else; the same way the same.
-for mode in test reference signed magnitude relative flip swipe side; do
+for mode in test signed swipe side; do
   open "mode=$mode" --screenshot="$folder/$mode.png" >/dev/null
   [ -s $mode.png ] || fail "no screenshot of $mode: $(tail -3 browser.log)"
 done
 open "mode=test" --screenshot="$folder/again.png" >/dev/null
 "$program" compare again.png test.png --max mse=0 --quiet || fail "two screenshots of one view differ"
-for mode in reference signed magnitude relative flip swipe side; do
+for mode in signed swipe side; do
   if "$program" compare $mode.png test.png --max mse=1e-5 --quiet 2>/dev/null; then fail "$mode looks like test"; fi
 done
 
-# Without JavaScript there are pictures and tables.
-dom=$(open '' --blink-settings=scriptEnabled=false --dump-dom)
+# Where scripts are not allowed there are pictures and tables.
+sed "s/script-src 'unsafe-inline'/script-src 'none'/" report.html >page.html && mv page.html report.html
+dom=$(open '' --dump-dom)
 grep -q '<section id="viewer" hidden="">' <<<"$dom" || fail "without JavaScript the viewer shows"
-open '' --blink-settings=scriptEnabled=false --screenshot="$folder/plain.png" >/dev/null
-if "$program" compare plain.png test.png --max mse=1e-5 --quiet 2>/dev/null; then fail "JavaScript was not off"; fi
+grep -q 'alt="heat map of test minus reference"' <<<"$dom" || fail "without JavaScript there is no heat map"

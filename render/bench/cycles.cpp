@@ -107,25 +107,27 @@ void write_job(const BenchSubject& subject, const SeriesBudget& budget, int thre
   }
   // Blender's cameras look along -z and have +x on the right; ours look along +z and have +x on the left. Its
   // matrices stand in columns.
-  const M44d& m = subject.camera_description.to_world;
+  const CameraDescription& camera = subject.camera_description;
+  const M44d& m = camera.to_world;
   ordered_json matrix = ordered_json::array();
   for (int row = 0; row < 3; ++row)
     matrix.push_back({-m[0][row], m[1][row], -m[2][row], (m[3][row] - center[row]) * scale});
   matrix.push_back({0, 0, 0, 1});
   const C3f sky = subject.scene.environment().constant().value_or(C3f(0.0f));
   const int depth = subject.limits.max_depth;
-  const ordered_json job = {{"width", subject.width},
-                            {"height", subject.height},
-                            {"shapes", shapes},
-                            {"camera",
-                             {{"matrix", matrix},
-                              {"fov_x", fov_x(subject.camera_description, subject.width, subject.height)},
-                              {"clip", {1e-4, 1e4}}}},
-                            {"sky", {sky.x, sky.y, sky.z}},
-                            {"bounces", depth < 0 ? unlimited_bounces : std::max(0, depth - 2)},
-                            {"threads", threads},
-                            {"seeds", budget.seeds},
-                            {"seconds", budget.seconds}};
+  const ordered_json job = {
+      {"width", subject.width},
+      {"height", subject.height},
+      {"shapes", shapes},
+      {"camera",
+       {{"matrix", matrix},
+        {"fov_x", fov_x(camera, subject.width, subject.height)},
+        {"clip", {std::max(1e-5, camera.near_clip * scale), std::min(1e5, camera.far_clip * scale)}}}},
+      {"sky", {sky.x, sky.y, sky.z}},
+      {"bounces", depth < 0 ? unlimited_bounces : std::max(0, depth - 2)},
+      {"threads", threads},
+      {"seeds", budget.seeds},
+      {"seconds", budget.seconds}};
   write_numbers(folder / "positions", positions);
   write_numbers(folder / "triangles", triangles);
   const std::string text = job.dump();
@@ -201,7 +203,7 @@ std::string unfit_for_cycles(const BenchSubject& subject) {
   if (!scene.punctual_lights.empty()) return "it has lights without a surface";
   if (!scene.environment.is_black() && !scene.environment.constant()) return "its sky is not constant";
   if (camera.projection != Projection::perspective || camera.aperture_radius > 0.0 ||
-      camera.principal_point_offset != V2d(0.0) || camera.near_clip > 0.0)
+      camera.principal_point_offset != V2d(0.0))
     return "its camera is no plain pinhole";
   if (M44d(camera.to_world).determinant() < 0.0) return "its camera is mirrored";
   if (subject.limits.hide_emitters) return "its lights are hidden";

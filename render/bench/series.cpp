@@ -160,9 +160,10 @@ BenchSeries measure_series(const BenchSubject& subject, IntegratorKind kind, con
       const BenchPoint& point = collector.add(
           {.samples_per_pixel = end, .time = time, .pass_one = pass_one, .rays = rays}, film.resolve());
       if (report) report(spent.seconds());
-      const bool is_enough = run > 0
-                                 ? end >= last_samples
-                                 : 2.0 * stopwatch.seconds() > budget.seconds || point.relmse < budget.relmse;
+      // The next doubling takes twice as long as this one.
+      const bool is_enough =
+          run > 0 ? end >= last_samples
+                  : stopwatch.seconds() + 2.0 * part.seconds() > budget.seconds || point.relmse < budget.relmse;
       if (is_enough || end >= most_samples_per_pixel) break;
     }
     collector.end_run(peak_memory_bytes());
@@ -173,10 +174,10 @@ BenchSeries measure_series(const BenchSubject& subject, IntegratorKind kind, con
 double time_to_error(const std::vector<SeriesPoint>& points, double relmse) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].relmse > relmse) continue;
-    if (i == 0 || points[i].relmse <= 0.0) return points[i].time.seconds;
+    if (i == 0 || points[i].relmse <= 0.0) return points[i].time.cpu_seconds;
     const SeriesPoint &a = points[i - 1], &b = points[i];
     const double along = std::log(a.relmse / relmse) / std::log(a.relmse / b.relmse);
-    return a.time.seconds * std::pow(b.time.seconds / a.time.seconds, along);
+    return a.time.cpu_seconds * std::pow(b.time.cpu_seconds / a.time.cpu_seconds, along);
   }
   return infinity;
 }

@@ -27,12 +27,8 @@ struct BenchOptions {
   bool quick = false, pass_one = false, peers = true;
 };
 
-// What a run may take, and how it is divided: the reference of a scene has two fifths, its methods the rest.
-struct Shares {
-  double scene, reference, method;  // seconds; of one method with all its seeds
-};
-
-constexpr double full_minutes = 18.0, quick_minutes = 1.6;
+// The time of a scene is divided between its reference and its methods, and that of a method between its seeds.
+constexpr double full_minutes = 18.0, quick_minutes = 1.5;
 constexpr double reference_share = 0.4;
 
 void settle(BenchOptions& options) {
@@ -43,7 +39,6 @@ void settle(BenchOptions& options) {
   if (options.references.empty()) options.references = options.folder + "/references";
   if (options.scenes.empty())
     for (const fs::path& scene : gallery_scenes()) options.scenes.push_back(scene.string());
-  // Where all factors are the same, only one of the two need be named.
   if (options.solvers.empty())
     options.solvers = {"gauss-seidel", "cg", "progressive", "lu", "hierarchical", "stochastic"};
   if (options.form_factors.empty()) options.form_factors = {"rays", "hemicube", "point", "exact"};
@@ -125,18 +120,19 @@ class Bench {
     scene_options.file = file;
     const BenchSubject subject(file, scene_options.load(quiet_, SceneOptions::Additions::light_and_camera),
                                options_.size);
-    results_.scenes.push_back({.name = subject.name,
-                               .file = file,
-                               .fingerprint = subject.fingerprint(),
-                               .width = subject.width,
-                               .height = subject.height});
-    BenchScene& scene = results_.scenes.back();
+    BenchScene found;
+    found.name = subject.name;
+    found.file = file;
+    found.fingerprint = subject.fingerprint();
+    found.width = subject.width;
+    found.height = subject.height;
     for (const Shape& shape : subject.scene.shapes())
-      if (const Mesh* mesh = mesh_of(shape.geometry)) scene.triangles += mesh->triangles.size();
+      if (const Mesh* mesh = mesh_of(shape.geometry)) found.triangles += mesh->triangles.size();
     const double for_reference =
         options_.reference_seconds > 0.0 ? options_.reference_seconds : reference_share * seconds;
-    scene.reference = bench_reference(subject, for_reference, options_.references);
+    found.reference = bench_reference(subject, for_reference, options_.references);
     progress.finish(reference_share * seconds);
+    BenchScene& scene = results_.scenes.emplace_back(std::move(found));
     const double rest = (1.0 - reference_share) * seconds;
     if (options_.pass_one)
       measure_pass_one_of(subject, scene, rest, progress);
@@ -262,11 +258,12 @@ void add_bench_command(CLI::App& program, const GlobalOptions& global, Action& a
       ->required();
   command.add_option("--integrators", options->integrators, "Those to measure")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->capture_default_str();
   command.add_flag("--quick", options->quick, "Small pictures, in less than two minutes");
   command
       .add_option("--minutes", options->minutes,
-                  "Time for all scenes together, references included (default: 18, quick 1.6)")
+                  "Time for all scenes together, references included (default: 18, quick 1.5)")
       ->check(CLI::PositiveNumber);
   command.add_option("--time", options->seconds, "Seconds a run instead of its share of the minutes")
       ->check(CLI::PositiveNumber);
@@ -285,7 +282,10 @@ void add_bench_command(CLI::App& program, const GlobalOptions& global, Action& a
                    "Leave out Blender Cycles, which is measured where it is installed");
   CLI::Option* pass_one = command.add_flag("--pass-one", options->pass_one,
                                            "Measure the radiosity pass alone: solvers x form factors");
-  command.add_option("--solvers", options->solvers, "Those to measure")->delimiter(',')->needs(pass_one);
+  command.add_option("--solvers", options->solvers, "Those to measure")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->needs(pass_one);
   command.add_option("--form-factors", options->form_factors, "Those to measure")
       ->delimiter(',')
       ->needs(pass_one);

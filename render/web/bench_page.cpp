@@ -52,7 +52,7 @@ Gain gain_of(const BenchSeries& series, const BenchSeries& truth) {
   if (series.points.empty() || goal.relmse <= 0.0) return gain;
   gain.seconds = time_to_error(series.points, goal.relmse);
   if (!std::isfinite(gain.seconds)) return gain;
-  gain.ratio = goal.time.seconds / gain.seconds;
+  gain.ratio = goal.time.cpu_seconds / gain.seconds;
   gain.is_bound = series.points.front().relmse <= goal.relmse;
   return gain;
 }
@@ -72,18 +72,18 @@ std::string overview(const BenchResults& results) {
       if (std::find(methods.begin(), methods.end(), series.method) == methods.end())
         methods.push_back(series.method);
   if (methods.empty()) return {};
-  std::vector<std::string> heads{"scene", "relMSE of path", "its seconds"};
+  std::vector<std::string> heads{"scene", "relMSE of path", "its CPU s"};
   for (const std::string& method : methods) heads.push_back(escape_html(method));
   Table table(
-      "How many times sooner than path a method has the relMSE that path ends with (wall clock, pass one "
-      "included, between two points along the line of logarithms)",
+      "How many times sooner than path a method has the relMSE that path ends with (CPU time of all threads, "
+      "pass one included, between two points along the line of logarithms)",
       heads);
   std::vector<std::vector<double>> ratios(methods.size());
   for (const BenchScene& scene : results.scenes) {
     const BenchSeries* truth = truth_of(scene);
     if (truth == nullptr) continue;
     std::vector<std::string> cells{number_text(truth->points.back().relmse, 3),
-                                   number_text(truth->points.back().time.seconds, 3)};
+                                   number_text(truth->points.back().time.cpu_seconds, 3)};
     for (std::size_t m = 0; m < methods.size(); ++m) {
       std::string cell = "-";
       for (const BenchSeries& series : scene.series)
@@ -112,12 +112,12 @@ std::string overview(const BenchResults& results) {
 // ----------------------------------------------------------------------------------------------------
 
 std::string plots(const BenchScene& scene) {
-  LogPlot by_time{"seconds (wall clock, pass one included)", "relMSE", "relMSE against seconds, by method", {}};
+  LogPlot by_time{"CPU seconds (pass one included)", "relMSE", "relMSE against CPU seconds, by method", {}};
   LogPlot by_samples{"samples a pixel", "relMSE", "relMSE against samples a pixel, by method", {}};
   for (const BenchSeries& series : scene.series) {
     PlotLine time{series.method, {}}, samples{series.method, {}};
     for (const SeriesPoint& p : series.points) {
-      time.points.emplace_back(p.time.seconds, p.relmse);
+      time.points.emplace_back(p.time.cpu_seconds, p.relmse);
       samples.points.emplace_back(p.samples_per_pixel, p.relmse);
     }
     by_time.lines.push_back(time);

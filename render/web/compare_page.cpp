@@ -70,7 +70,9 @@ Image cut(const Image& image, const ErrorTile& tile) {
 
 std::string figure(const Image& image, const std::string& alt, const std::string& caption, int width) {
   return "<figure><img src=\"" + png_uri(image) + "\" width=\"" + std::to_string(width) + "\" alt=\"" +
-         escape_html(alt) + "\"><figcaption>" + escape_html(caption) + "</figcaption></figure>\n";
+         escape_html(alt) + "\">" +
+         (caption.empty() ? std::string() : "<figcaption>" + escape_html(caption) + "</figcaption>") +
+         "</figure>\n";
 }
 
 // A width for the page: small pictures are enlarged by whole numbers.
