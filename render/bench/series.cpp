@@ -52,6 +52,7 @@ const BenchPoint& SeriesCollector::add(BenchPoint point, const Image& picture) {
   if (next_level_ == levels_.size()) {
     levels_.emplace_back();
     levels_.back().samples_per_pixel = point.samples_per_pixel;
+    levels_.back().sum.energy_ratio = C3d(0.0);  // a sum begins with nothing
     levels_.back().pixels.resize(picture.pixel_count(), C3d(0.0));
     levels_.back().squares.resize(picture.pixel_count(), C3d(0.0));
   }

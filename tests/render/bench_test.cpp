@@ -73,6 +73,7 @@ TEST(BenchSeries, TellsBiasFromVariance) {
     EXPECT_NEAR(p.mse, 0.01 + variance, 0.002);
     EXPECT_NEAR(p.variance * 1.01, variance, 0.05 * variance);
     EXPECT_NEAR(p.bias2 * 1.01, 0.01, 0.0008);
+    EXPECT_NEAR(p.energy_ratio.x, 1.1, 0.01);
     EXPECT_NEAR(p.bias2 + p.variance, p.relmse, 0.02 * p.relmse) << "the parts add up";
   }
   EXPECT_EQ(series.runs[5].memory_bytes, 1005u);
