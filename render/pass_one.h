@@ -35,9 +35,14 @@ struct PassOneJob {
 };
 PreparedPassOne prepare_pass_one(PassOneJob job);
 
-/// The options of pass one for a picture, over what the user asks for.
+/// The options of pass one for a picture, over what the user asks for. `cpu_seconds`: all that the picture may
+/// take; pass one then has fewer elements where it would take more than 15 % of that (by its usual pace, and
+/// not fewer than 2048 or one for eight triangles); 0: as long as it takes.
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
-                                   const PixelWindow& window, RadiosityOptions asked);
+                                   const PixelWindow& window, RadiosityOptions asked, double cpu_seconds = 0.0);
+
+/// Of the rays of a picture, about as many more go into its certificate.
+inline constexpr double certificate_share = 0.05;
 
 /// What part of a picture is certified.
 struct CertifiedPicture {

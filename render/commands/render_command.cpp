@@ -150,7 +150,8 @@ PreparedPassOne run_pass_one(const Scene& scene, const RenderOptions& options, c
                  .plan = plan,
                  .integrator = settings.integrator,
                  .radiosity = radiosity_options(settings.integrator, settings.limits, camera, settings.window,
-                                                options.radiosity.settle(settings.seed))};
+                                                options.radiosity.settle(settings.seed),
+                                                settings.goal.seconds * statistics.threads)};
   Elapsed load_time;
   if (!plan.radiosity_pass) {
     for (const Skipped& skipped : plan.skipped)
@@ -188,6 +189,14 @@ PreparedPassOne run_pass_one(const Scene& scene, const RenderOptions& options, c
 
 bool wants_half(const RenderOptions& options, const FileSettings& file) {
   return options.exr_type.empty() ? file.half.value_or(true) : options.exr_type == "half";
+}
+
+// What is left of a goal of time for pass two, and after it for the certificate.
+SamplingGoal left_of(SamplingGoal goal, const Elapsed& pass_one, bool is_certified) {
+  if (goal.seconds > 0.0)
+    goal.seconds =
+        std::max(goal.seconds - pass_one.seconds, 1e-3) * (is_certified ? 1.0 - certificate_share : 1.0);
+  return goal;
 }
 
 ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
@@ -288,8 +297,13 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const Scene scene(std::move(loaded.scene));
   s.build = stopwatch.elapsed();
 
+  s.threads = limit.threads();
   const Camera camera(camera_description, settings.width, settings.height);
   const PreparedPassOne pass_one = run_pass_one(scene, options, settings, plan, camera, console, s);
+
+  const bool is_certified =
+      pass_one.solution && options.certificate && settings.integrator == IntegratorKind::two_pass;
+  const SamplingGoal goal = left_of(settings.goal, pass_one.time(), is_certified);
 
   stopwatch = Stopwatch();
   if (const double bytes = Film::bytes_to_render(settings.window.size.x, settings.window.size.y); bytes > 1e9)
@@ -350,7 +364,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     RenderJob job{.integrator = *integrator,
                   .camera = camera,
                   .filter = loaded.settings.filter,
-                  .goal = settings.goal,
+                  .goal = goal,
                   .seed = settings.seed,
                   .sampler = settings.sampler,
                   .cone = cone,
@@ -363,7 +377,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     s.outcome = render_image(job, film);
     parts.end_preview();
   }
-  if (pass_one.solution && options.certificate && settings.integrator == IntegratorKind::two_pass) {
+  if (is_certified) {
     s.bias = certify_picture({.scene = scene,
                               .pass_one = pass_one,
                               .integrator = *integrator,
@@ -422,7 +436,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
                      "sobol (default, whatever the scene says), stratified or independent");
   command.add_option("--spp", options->goal.samples_per_pixel, "Stop at this many samples a pixel")
       ->check(CLI::Range(1, most_samples_per_pixel));
-  command.add_option("--time", options->goal.seconds, "Stop after this many seconds of rendering")
+  command.add_option("--time", options->goal.seconds, "Stop after this many seconds, pass one included")
       ->check(CLI::PositiveNumber);
   command
       .add_option("--noise", options->goal.relative_error,
