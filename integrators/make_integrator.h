@@ -5,6 +5,8 @@
 
 #include "integrators/integrator.h"
 #include "integrators/pass_one.h"
+#include "radiosity/indirect_field.h"
+#include "radiosity/solution.h"
 #include "render/core/names.h"
 
 namespace twopass {

@@ -43,7 +43,7 @@ TEST(LampLight, ASlabHidesALampWhollyPartlyOrNot) {
   const Scene scene(std::move(description));
   const LampLight light(scene);
   EXPECT_EQ(light.seen_from(on_floor(0.49f, 0.49f)), LampLight::Lamps{0});
-  EXPECT_EQ(light.seen_from(on_floor(0.78f, 0.49f)), std::nullopt);  // half shadow
+  EXPECT_EQ(light.seen_from(on_floor(0.95f, 0.49f)), std::nullopt);  // half shadow
   // High on the wall, above the slab's edge.
   const auto high = light.seen_from(triangle(V3f(0, 0.5f, 0.95f), V3f(0, 0.52f, 0.95f), V3f(0, 0.5f, 0.97f)));
   ASSERT_TRUE(high.has_value());
