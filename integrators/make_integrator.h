@@ -5,8 +5,6 @@
 
 #include "integrators/integrator.h"
 #include "integrators/pass_one.h"
-#include "radiosity/indirect_field.h"
-#include "radiosity/solution.h"
 #include "render/core/names.h"
 
 namespace twopass {

@@ -335,7 +335,6 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.sampler = name_of_value<SamplerKind>(sampler_names, settings.sampler);
   s.width = settings.window.size.x;
   s.height = settings.window.size.y;
-  s.threads = limit.threads();
   s.seed = settings.seed;
   s.outcome.stop_reason = "not yet";
 
