@@ -45,12 +45,10 @@ double power_in(const ElementMesh& mesh, std::uint32_t element, const Range& ran
   return mesh.area(element) * brightest(mesh.reflectance(element) * (range.high - range.low));
 }
 
-// (R44): the part of the picture that the element is, times the contrast on it. It counts less than power: what is
-// not seen lights what is.
+// (R44): the part of the picture that the element is, times the contrast on it.
 double seen_in(double part, const Range& range) {
-  constexpr double weight = 0.3;
   const double high = brightest(range.high);
-  return high > 0.0 ? weight * part * brightest(range.high - range.low) / high : 0.0;
+  return high > 0.0 ? part * brightest(range.high - range.low) / high : 0.0;
 }
 
 }  // namespace

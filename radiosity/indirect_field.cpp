@@ -202,19 +202,20 @@ bool is_black(const Corners& corners) {
 
 // (R43): what the lamps send to the corners of a flat patch, if that is certain and linear in between but for
 // the given part of all the light. `indirect`: at the corners.
-std::optional<Corners> direct_of(const Patch& patch, const LampLight& lamps, const Corners& indirect,
-                                 double tolerance) {
+// `corner`: in the order of the face's cell, which is not that of a patch of a back.
+std::optional<Corners> direct_of(const Patch& patch, const std::array<V3d, 3>& corner, const LampLight& lamps,
+                                 const Corners& indirect, double tolerance) {
   if (patch.is_analytic() || !(patch.area > 0.0)) return std::nullopt;
   const auto seen = lamps.seen_from(patch.polygon());
   if (!seen) return std::nullopt;
   std::array<C3d, 3> at;
-  for (std::size_t k = 0; k < 3; ++k) at[k] = lamps.irradiance(patch.corner[k], patch.normal, *seen);
+  for (std::size_t k = 0; k < 3; ++k) at[k] = lamps.irradiance(corner[k], patch.normal, *seen);
   const auto is_linear_at = [&](const V3d& weight) {
     V3d point(0.0);
     C3d linear(0.0), others(0.0);
     for (std::size_t k = 0; k < 3; ++k) {
       const double w = weight[static_cast<int>(k)];
-      point += patch.corner[k] * w;
+      point += corner[k] * w;
       linear += at[k] * w;
       others += C3d(indirect[k]) * w;
     }
@@ -285,8 +286,10 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
       const std::array<std::uint32_t, 3>& corner = vertices.faces().corner[f];
       for (std::size_t k = 0; k < 3; ++k) value_[f][k] = C3f(gathered[corner[k]].mean());
       const bool trusted = is_trusted(f, cast);
+      const std::array<V3d, 3> at{V3d(vertices.position(corner[0])), V3d(vertices.position(corner[1])),
+                                  V3d(vertices.position(corner[2]))};
       const auto direct = lamps.is_known()
-                              ? direct_of(mesh_->patch(f), lamps, value_[f], options.direct_tolerance)
+                              ? direct_of(mesh_->patch(f), at, lamps, value_[f], options.direct_tolerance)
                               : std::nullopt;
       if (trusted) known_[f] = direct ? Known::all : Known::indirect;
       if (!trusted && direct && is_black(*direct)) known_[f] = Known::no_direct;
