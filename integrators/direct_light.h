@@ -56,14 +56,14 @@ inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& po
   const C3f radiance = visit_model(bsdf, [&](const auto& model) {
     // Inside, because Lambert's model does not look at it.
     const V3f wo = point.shading.to_local(-direction);
-    float weight = 1.0f / light.pdf_w;
-    if (!light.is_delta && rival == Rival::scattered_ray) {
-      // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-      float other = model.pdf_w(wo, wi);
-      if (guide) other = share * guide->pdf_w(light.direction) + (1.0f - share) * other;
-      weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
-    }
-    return C3f(model.eval(wo, wi) * light.radiance * (reached * weight));
+    if (light.is_delta || rival == Rival::none)
+      return C3f(model.eval(wo, wi) * light.radiance * (reached / light.pdf_w));
+    const BsdfValue at = evaluate(model, wo, wi);
+    float other = at.pdf_w;
+    if (guide) other = share * guide->pdf_w(light.direction) + (1.0f - share) * other;
+    // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
+    const float weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
+    return C3f(at.value * light.radiance * (reached * weight));
   });
   return {{spawn_position(point, light.direction), light.position}, radiance};
 }

@@ -69,6 +69,7 @@ class Bundle {
 
   // The number of paths that have arrived at vertices where they may go on.
   std::size_t arrive(std::size_t begin, std::size_t end, int edges, RayCounts& counts) {
+    scene_.prefetch({hits_.data() + begin, end - begin});
     std::size_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint8_t lane = lanes_[i];

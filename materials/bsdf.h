@@ -72,6 +72,15 @@ decltype(auto) visit_model(const Bsdf& bsdf, F&& f) {
   return std::visit(f, bsdf);
 }
 
+/// Value and density at once: models that share work between them have a function for both.
+template <class Model>
+BsdfValue evaluate(const Model& model, const V3f& wo, const V3f& wi) {
+  if constexpr (requires { model.evaluate(wo, wi); })
+    return model.evaluate(wo, wi);
+  else
+    return {model.eval(wo, wi), model.pdf_w(wo, wi)};
+}
+
 inline C3f eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return visit_model(bsdf, [&](const auto& model) { return model.eval(wo, wi); });
 }

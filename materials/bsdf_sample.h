@@ -1,4 +1,4 @@
-// What sampling a scattering model returns.
+// What evaluating and sampling a scattering model return.
 //
 // Conventions of the room: directions are unit vectors in the local frame of the surface, pointing away from
 // it, with +z along the shading normal on the side of the viewer. So wo.z > 0 always; wi.z < 0 is transmission.
@@ -10,6 +10,12 @@
 #include "render/core/types.h"
 
 namespace twopass {
+
+/// What a model says of one pair of directions, without Dirac parts.
+struct BsdfValue {
+  C3f value;    ///< f(wo, wi) |wi.z|
+  float pdf_w;  ///< density of sample() in solid angle
+};
 
 struct BsdfSample {
   V3f wi;            ///< direction towards the light

@@ -11,7 +11,8 @@ void assign(float& parameter, const Texture& texture, const TexturePoint& where)
   parameter = number_at(texture, where);
 }
 template <class Setting>
-void assign(Setting&, const Texture&, const TexturePoint&) {}  // settings do not vary: loaders bind no texture to them
+void assign(Setting&, const Texture&, const TexturePoint&) {
+}  // settings do not vary: loaders bind no texture to them
 
 template <class Model>
 void bind_textures(Model& model, const std::vector<TextureBinding>& textures, const TexturePoint& where) {
@@ -24,9 +25,16 @@ void bind_textures(Model& model, const std::vector<TextureBinding>& textures, co
   if constexpr (requires { model.prepare(); }) model.prepare();
 }
 
+void resolve_model(const TexturedModel& node, const TexturePoint& where, Bsdf& bsdf) {
+  std::visit(
+      [&](const auto& model) {
+        bind_textures(bsdf.emplace<std::decay_t<decltype(model)>>(model), node.textures, where);
+      },
+      node.bsdf);
+}
 Bsdf bound(const TexturedModel& node, const TexturePoint& where) {
-  Bsdf bsdf = node.bsdf;
-  std::visit([&](auto& model) { bind_textures(model, node.textures, where); }, bsdf);
+  Bsdf bsdf;
+  resolve_model(node, where, bsdf);
   return bsdf;
 }
 
@@ -119,7 +127,8 @@ SideTraits traits_of(const Bsdf& bsdf) {
           .may_be_smooth = !is_specular(bsdf) && !is_black_diffuse(bsdf),
           .is_see_through = is_see_through(bsdf),
           .transmits = transmits(bsdf),
-          .needs_uv = has_direction(bsdf)};
+          .needs_uv = has_direction(bsdf),
+          .needs_tangents = has_direction(bsdf)};
 }
 
 SideTraits traits_of(const TexturedModel& node) {
@@ -150,17 +159,18 @@ SideTraits traits_of(const Mixture& node) {
           .is_see_through = a.is_see_through || b.is_see_through,
           .transmits = a.transmits || b.transmits,
           .needs_uv = a.needs_uv || b.needs_uv || !is_constant(node.weight),
+          .needs_tangents = a.needs_tangents || b.needs_tangents,
           .needs_choice = true};
 }
 
 SideTraits traits_of(const BumpMap& node) {
   SideTraits traits = traits_of(*node.nested);
-  traits.needs_uv = true;
+  traits.needs_uv = traits.needs_tangents = true;
   return traits;
 }
 SideTraits traits_of(const NormalMap& node) {
   SideTraits traits = traits_of(*node.nested);
-  traits.needs_uv = true;
+  traits.needs_uv = traits.needs_tangents = true;
   return traits;
 }
 
@@ -168,21 +178,22 @@ SideTraits traits_of(const MaterialNode& node) {
   return std::visit([](const auto& kind) { return traits_of(kind); }, node.kind);
 }
 
-Bsdf resolve_node(const MaterialNode& node, ShadingGeometry& at, float u) {
-  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) return bound(*model, at.where());
+void resolve_node(const MaterialNode& node, ShadingGeometry& at, float u, Bsdf& bsdf) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind))
+    return resolve_model(*model, at.where(), bsdf);
   if (const auto* mixture = std::get_if<Mixture>(&node.kind)) {
     const float weight = weight_at(*mixture, at.where());
     // What is left of u chooses among mixtures further down.
-    if (u < weight) return resolve_node(*mixture->second, at, u / weight);
-    return resolve_node(*mixture->first, at, std::min((u - weight) / (1.0f - weight), 0x1.fffffep-1f));
+    if (u < weight) return resolve_node(*mixture->second, at, u / weight, bsdf);
+    return resolve_node(*mixture->first, at, std::min((u - weight) / (1.0f - weight), 0x1.fffffep-1f), bsdf);
   }
   if (const auto* bump = std::get_if<BumpMap>(&node.kind)) {
     perturb(*bump, at);
-    return resolve_node(*bump->nested, at, u);
+    return resolve_node(*bump->nested, at, u, bsdf);
   }
   const auto& map = std::get<NormalMap>(node.kind);
   perturb(map, at);
-  return resolve_node(*map.nested, at, u);
+  resolve_node(*map.nested, at, u, bsdf);
 }
 
 float transparency_of(const MaterialNode& node, const TexturePoint& where) {
@@ -264,7 +275,9 @@ MaterialNodePtr MaterialSide::node() const {
   return std::make_shared<const MaterialNode>(MaterialNode{TexturedModel{bsdf_, {}}});
 }
 
-Bsdf MaterialSide::resolve(ShadingGeometry& at, float u) const { return resolve_node(*node_, at, u); }
+void MaterialSide::resolve(ShadingGeometry& at, float u, Bsdf& bsdf) const {
+  resolve_node(*node_, at, u, bsdf);
+}
 
 float MaterialSide::transparency(const TexturePoint& where) const {
   if (!traits_.is_see_through) return 0.0f;

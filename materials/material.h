@@ -80,6 +80,7 @@ struct SideTraits {
   bool is_see_through = false;         ///< light passes straight through, somewhere
   bool transmits = false;              ///< light comes out on the other side, somewhere
   bool needs_uv = false;               ///< looks at uv, dp_du or dp_dv
+  bool needs_tangents = false;         ///< the directions of the tangents matter
   bool needs_choice = false;           ///< chooses among mixtures
 };
 
@@ -101,9 +102,14 @@ class MaterialSide {
   [[nodiscard]] MaterialNodePtr node() const;
   [[nodiscard]] const SideTraits& traits() const { return traits_; }
 
-  /// The model at a point, for which the shading frame may be turned. `u` in [0, 1) chooses among mixtures: the
-  /// expectation over it is the material. REQUIRES: !is_uniform().
-  [[nodiscard]] Bsdf resolve(ShadingGeometry& at, float u) const;
+  /// The model at a point into `bsdf`; the shading frame may be turned for it. `u` in [0, 1) chooses among
+  /// mixtures: the expectation over it is the material. REQUIRES: !is_uniform().
+  void resolve(ShadingGeometry& at, float u, Bsdf& bsdf) const;
+  [[nodiscard]] Bsdf resolve(ShadingGeometry& at, float u) const {
+    Bsdf bsdf;
+    resolve(at, u, bsdf);
+    return bsdf;
+  }
   /// The share of light that passes straight through (masks and null), in [0, 1].
   [[nodiscard]] float transparency(const TexturePoint& where) const;
   /// Albedo of the part that a radiosity solution can hold.

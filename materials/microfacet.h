@@ -42,6 +42,15 @@ class MicrofacetDistribution {
   [[nodiscard]] float reflection_pdf_w(const V3f& wo, const V3f& m) const {
     return wo.dot(m) > 0.0f ? density(m) * 0.25f * seen_per_area(wo) : 0.0f;
   }
+  /// Both of them, for the price of one.
+  struct Reflection {
+    float value, pdf_w;
+  };
+  [[nodiscard]] Reflection reflection_and_pdf_w(const V3f& wo, const V3f& wi, const V3f& m) const {
+    const float facing = density(m);
+    return {facing * masking(wo, m) * masking(wi, m) / (4.0f * wo.z),
+            wo.dot(m) > 0.0f ? facing * 0.25f * seen_per_area(wo) : 0.0f};
+  }
   /// Shadowing and masking over the part of it that sample() accounts for: the weight of a sampled facet that
   /// sends all light from `wi` to `wo`. Between 0 and 1.004.
   [[nodiscard]] float sample_weight(const V3f& wo, const V3f& wi, const V3f& m) const {

@@ -14,13 +14,13 @@ struct RoughConductor {
   float alpha_u = 0.1f, alpha_v = 0.1f;  ///< roughness along the tangents, see MicrofacetDistribution
   Microfacet distribution = Microfacet::beckmann;
 
-  [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const {
-    if (!(wi.z > 0.0f)) return C3f(0.0f);
+  [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const { return evaluate(wo, wi).value; }
+  [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const { return evaluate(wo, wi).pdf_w; }
+  [[nodiscard]] BsdfValue evaluate(const V3f& wo, const V3f& wi) const {
+    if (!(wi.z > 0.0f)) return {C3f(0.0f), 0.0f};
     const V3f m = unit(wo + wi);
-    return facet_reflectance(wo, m) * facets().reflection(wo, wi, m);
-  }
-  [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const {
-    return wi.z > 0.0f ? facets().reflection_pdf_w(wo, unit(wo + wi)) : 0.0f;
+    const MicrofacetDistribution::Reflection facet = facets().reflection_and_pdf_w(wo, wi, m);
+    return {facet_reflectance(wo, m) * facet.value, facet.pdf_w};
   }
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const {
     const MicrofacetDistribution surface = facets();

@@ -22,8 +22,9 @@ struct RoughPlastic {
       coat = &coat_table(distribution, alpha, eta);
   }
 
-  [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const;
-  [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const;
+  [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const { return evaluate(wo, wi).value; }
+  [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const { return evaluate(wo, wi).pdf_w; }
+  [[nodiscard]] BsdfValue evaluate(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
   /// Albedo of the base through its coat under uniform light.
   [[nodiscard]] C3f diffuse_reflectance() const {
@@ -43,6 +44,9 @@ struct RoughPlastic {
  private:
   [[nodiscard]] MicrofacetDistribution facets() const { return {distribution, alpha, alpha}; }
   [[nodiscard]] C3f base() const;
+  // The density of sample(), drawn from the facets with probability `p`, NaN where there is nothing to draw.
+  [[nodiscard]] BsdfValue evaluate(const V3f& wo, const V3f& wi, float p) const;
+  [[nodiscard]] float coat_probability_at(float cosine) const;
 };
 
 }  // namespace twopass

@@ -25,6 +25,12 @@ int wrapped(int i, int size, TextureWrap wrap) {
   return i < size ? i : period - 1 - i;
 }
 
+// That of the texel beside it. `at` is the index wrapped already, which saves a division.
+int wrapped_next(int i, int at, int size, TextureWrap wrap) {
+  if (wrap == TextureWrap::repeat) return at + 1 < size ? at + 1 : 0;
+  return wrapped(i + 1, size, wrap);
+}
+
 // Extent of a footprint along the texture's own coordinates; at least, where these are turned.
 V2f extent_of(const UvTransform& m, const V2f& footprint) {
   return {std::max(std::abs(m.a) * footprint.x, std::abs(m.b) * footprint.y),
@@ -64,8 +70,9 @@ Patch patch_at(const Bitmap& bitmap, int level, const V2f& uv) {
   const V2f at = texel_coordinates(bitmap, size, uv) - V2f(0.5f, 0.5f);
   const float x = std::floor(at.x), y = std::floor(at.y);
   const int i = static_cast<int>(x), j = static_cast<int>(y);
-  const V2i columns(wrapped(i, size.x, bitmap.wrap_u), wrapped(i + 1, size.x, bitmap.wrap_u));
-  const V2i rows(wrapped(j, size.y, bitmap.wrap_v), wrapped(j + 1, size.y, bitmap.wrap_v));
+  const int column = wrapped(i, size.x, bitmap.wrap_u), row = wrapped(j, size.y, bitmap.wrap_v);
+  const V2i columns(column, wrapped_next(i, column, size.x, bitmap.wrap_u));
+  const V2i rows(row, wrapped_next(j, row, size.y, bitmap.wrap_v));
   return {bitmap.image->patch(level, columns, rows), at.x - x, at.y - y};
 }
 

@@ -4,22 +4,28 @@
 
 namespace twopass {
 
-Parametrization parametrization(const Mesh& mesh, std::uint32_t triangle, const V2f& barycentric,
-                                const V3f& normal) {
+Parametrization any_parametrization(const V2f& uv, const V3f& normal) {
   const Frame any(normal);
-  Parametrization result{barycentric, any.s, any.t};
-  if (mesh.uvs.empty()) return result;
-  const V3u& index = mesh.triangles[triangle];
-  const V2f uv0 = mesh.uvs[index.x], duv1 = mesh.uvs[index.y] - uv0, duv2 = mesh.uvs[index.z] - uv0;
-  result.uv = uv0 + duv1 * barycentric.x + duv2 * barycentric.y;
+  return {uv, any.s, any.t};
+}
+
+Parametrization parametrization(const std::array<V3f, 3>& p, const std::array<V2f, 3>& uvs,
+                                const V2f& barycentric, const V3f& normal) {
+  const V2f duv1 = uvs[1] - uvs[0], duv2 = uvs[2] - uvs[0];
+  const V2f uv = uvs[0] + duv1 * barycentric.x + duv2 * barycentric.y;
   const float determinant = duv1.x * duv2.y - duv1.y * duv2.x;
   const float inverse = 1.0f / determinant;
-  if (determinant == 0.0f || !std::isfinite(inverse)) return result;
-  const auto p = corners(mesh, triangle);
+  if (determinant == 0.0f || !std::isfinite(inverse)) return any_parametrization(uv, normal);
   const V3f e1 = p[1] - p[0], e2 = p[2] - p[0];
-  result.dp_du = (e1 * duv2.y - e2 * duv1.y) * inverse;
-  result.dp_dv = (e2 * duv1.x - e1 * duv2.x) * inverse;
-  return result;
+  return {uv, (e1 * duv2.y - e2 * duv1.y) * inverse, (e2 * duv1.x - e1 * duv2.x) * inverse};
+}
+
+Parametrization parametrization(const Mesh& mesh, std::uint32_t triangle, const V2f& barycentric,
+                                const V3f& normal) {
+  if (mesh.uvs.empty()) return any_parametrization(barycentric, normal);
+  const V3u& index = mesh.triangles[triangle];
+  return parametrization(corners(mesh, triangle), {mesh.uvs[index.x], mesh.uvs[index.y], mesh.uvs[index.z]},
+                         barycentric, normal);
 }
 
 Parametrization parametrization(const Sphere& sphere, const V3f& normal) {

@@ -10,8 +10,13 @@ struct Parametrization {
   V3f dp_du, dp_dv;  ///< never zero: any tangents where the coordinates have no derivatives
 };
 
-/// At a point of a triangle, `barycentric` of its corners 1 and 2. A mesh without texture coordinates has these
-/// in their place. `normal`: unit, of the front.
+/// With any tangents. `normal`: unit, of the front.
+Parametrization any_parametrization(const V2f& uv, const V3f& normal);
+/// At a point of a triangle with these texture coordinates at its corners, `barycentric` of corners 1 and 2.
+Parametrization parametrization(const std::array<V3f, 3>& corners, const std::array<V2f, 3>& uvs,
+                                const V2f& barycentric, const V3f& normal);
+/// The same of a mesh. One without texture coordinates has these
+/// in their place.
 Parametrization parametrization(const Mesh& mesh, std::uint32_t triangle, const V2f& barycentric,
                                 const V3f& normal);
 /// At the point of a sphere where its front has the unit normal `normal`.

@@ -58,11 +58,13 @@ Box3f bounds_of(std::span<const Shape> shapes) {
 void Scene::find_faces() {
   std::unordered_map<const Mesh*, std::size_t> known;
   std::vector<std::size_t> list;  // by shape
+  std::size_t triangles = 0;
   for (const Shape& shape : shapes()) {
     const Mesh* mesh = mesh_of(shape.geometry);
     const auto [entry, is_new] = known.try_emplace(mesh, face_lists_.size());
     list.push_back(entry->second);
     if (!is_new) continue;
+    if (mesh) triangles += mesh->triangles.size();
     std::vector<Face>& faces = face_lists_.emplace_back();
     for (std::uint32_t i = 0; mesh && i < mesh->triangles.size(); ++i) {
       const auto p = corners(*mesh, i);
@@ -70,7 +72,50 @@ void Scene::find_faces() {
       faces.push_back({unit((p[1] - p[0]).cross(p[2] - p[0])), offset, near_edge(p, offset)});
     }
   }
-  for (const std::size_t l : list) faces_.push_back(face_lists_[l].data());
+  for (std::size_t s = 0; s < list.size(); ++s) surfaces_[s].faces = face_lists_[list[s]].data();
+  // A triangle and its corners take about a hundred bytes: fewer are in the nearer caches anyway.
+  constexpr std::size_t at_hand = 10000;
+  is_large_ = triangles > at_hand;
+}
+
+void Scene::find_surfaces() {
+  const auto data_of = [](const auto& list) { return list.empty() ? nullptr : list.data(); };
+  for (const Shape& shape : shapes()) {
+    Surface& surface = surfaces_.emplace_back();
+    surface.is_mesh = std::holds_alternative<Mesh>(shape.geometry);
+    if (const Mesh* mesh = mesh_of(shape.geometry)) {
+      surface.triangles = data_of(mesh->triangles);
+      surface.positions = data_of(mesh->positions);
+      surface.normals = data_of(mesh->normals);
+      surface.uvs = data_of(mesh->uvs);
+    }
+    for (const Side side : {front, back}) {
+      const MaterialSide& material = description_.materials[shape.material].side[side];
+      surface.side[side] = &material;
+      surface.emits[side] = !is_black(shape.radiance[side]);
+      surface.needs_tangents[side] = material.traits().needs_tangents;
+      surface.needs_uv[side] = material.traits().needs_uv || shape.radiance_texture;
+    }
+  }
+}
+
+void Scene::prefetch(std::span<const Hit> hits) const {
+  if (!is_large_) return;
+  for (const Hit& hit : hits) {
+    if (hit.escaped() || !surfaces_[hit.shape].triangles) continue;
+    __builtin_prefetch(surfaces_[hit.shape].triangles + hit.primitive);
+    __builtin_prefetch(surfaces_[hit.shape].faces + hit.primitive);
+  }
+  for (const Hit& hit : hits) {
+    if (hit.escaped() || !surfaces_[hit.shape].triangles) continue;
+    const Surface& surface = surfaces_[hit.shape];
+    const V3u& index = surface.triangles[hit.primitive];
+    for (const std::uint32_t i : {index.x, index.y, index.z}) {
+      __builtin_prefetch(surface.positions + i);
+      if (surface.normals) __builtin_prefetch(surface.normals + i);
+      if (surface.uvs && surface.needs_uv[front]) __builtin_prefetch(surface.uvs + i);
+    }
+  }
 }
 
 void Scene::place(SurfacePoint& point, const Ray& ray, const Hit& hit, V3f& normal, V3f& shading_normal) const {
@@ -78,7 +123,8 @@ void Scene::place(SurfacePoint& point, const Ray& ray, const Hit& hit, V3f& norm
   const V3f met = ray.origin + ray.direction * hit.t;
   if (const auto* instance = std::get_if<MeshInstance>(&geometry)) {
     const auto p = corners(*instance->mesh, hit.primitive);
-    const Face& face = faces_[hit.shape][hit.primitive];
+    const Surface& surface = surfaces_[hit.shape];
+    const Face& face = surface.faces[hit.primitive];
     const Placement& to_world = instance->to_world;
     const float w = 1.0f - hit.u - hit.v;
     V3f local = p[0] * w + p[1] * hit.u + p[2] * hit.v;
@@ -87,7 +133,7 @@ void Scene::place(SurfacePoint& point, const Ray& ray, const Hit& hit, V3f& norm
     point.position = to_world.point(local);
     point.offset = rounding_offset(to_world, point.position, face.offset);
     normal = unit(to_world.normal(face.normal));
-    shading_normal = unit(to_world.normal(shading_normal_of(*instance->mesh, hit, face.normal)));
+    shading_normal = unit(to_world.normal(shading_normal_of(surface, hit, face.normal)));
     return;
   }
   if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
@@ -128,15 +174,24 @@ Scene::Scene(SceneDescription description)
       has_textures_(std::ranges::any_of(description_.materials, [](const Material& material) {
         return !material.side[front].is_uniform() || !material.side[back].is_uniform();
       })) {
+  find_surfaces();
   find_faces();
 }
 
-void Scene::add_parametrization(SurfacePoint& point, const Shape& shape, const V3f& normal) const {
+void Scene::add_parametrization(SurfacePoint& point, const V3f& normal) const {
+  const Surface& surface = surfaces_[point.shape];
+  const Shape& shape = description_.shapes[point.shape];
   Parametrization p;
-  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-    p = parametrization(*mesh, point.primitive, {point.u, point.v}, normal);
+  if (surface.is_mesh && surface.uvs) {
+    const V3u& index = surface.triangles[point.primitive];
+    const V3f* positions = surface.positions;
+    p = parametrization({positions[index.x], positions[index.y], positions[index.z]},
+                        {surface.uvs[index.x], surface.uvs[index.y], surface.uvs[index.z]}, {point.u, point.v},
+                        normal);
+  } else if (surface.is_mesh) {
+    p = any_parametrization({point.u, point.v}, normal);
   } else if (const auto* instance = std::get_if<MeshInstance>(&shape.geometry)) {
-    const Face& face = faces_[point.shape][point.primitive];
+    const Face& face = surface.faces[point.primitive];
     p = parametrization(*instance->mesh, point.primitive, {point.u, point.v}, face.normal);
     p.dp_du = instance->to_world.vector(p.dp_du);
     p.dp_dv = instance->to_world.vector(p.dp_dv);
@@ -150,6 +205,7 @@ void Scene::add_parametrization(SurfacePoint& point, const Shape& shape, const V
   point.uv = p.uv;
   point.dp_du = p.dp_du;
   point.dp_dv = p.dp_dv;
+  if (!surface.needs_tangents[point.side]) return;
   const V3f& n = point.shading.n;
   const V3f s = p.dp_du - n * n.dot(p.dp_du);
   if (!(s.dot(s) > 0.0f) || !is_finite(s)) return;  // seen along the tangent: any frame will do
@@ -175,7 +231,8 @@ float Scene::transmittance(const Segment& segment) const {
   return share;
 }
 
-Bsdf Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u) {
+void Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u,
+                       Bsdf& bsdf) {
   ShadingGeometry at{.uv = point.uv,
                      .dp_du = point.dp_du,
                      .dp_dv = point.dp_dv,
@@ -186,11 +243,10 @@ Bsdf Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const 
   // (M31), along the narrow side of the beam's ellipse on the surface.
   if (point.beam_width > 0.0f)
     at.footprint = {point.beam_width / point.dp_du.length(), point.beam_width / point.dp_dv.length()};
-  const Bsdf bsdf = material.resolve(at, u);
+  material.resolve(at, u, bsdf);
   point.terminator = at.terminator;
   point.unperturbed_normal = point.shading.n;
   point.shading = at.frame;
-  return bsdf;
 }
 
 }  // namespace twopass

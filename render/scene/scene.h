@@ -42,9 +42,12 @@ class Scene {
 
   /// What the ray hit. REQUIRES: !hit.escaped(). Inline, below: every vertex of every path calls it.
   [[nodiscard]] SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+  /// Has the processor fetch what surface_point() will read, where it may not have it at hand. Hits may be
+  /// escaped.
+  void prefetch(std::span<const Hit> hits) const;
   /// The material on the side that the viewer sees.
   [[nodiscard]] const MaterialSide& side(const SurfacePoint& point) const {
-    return description_.materials[description_.shapes[point.shape].material].side[point.side];
+    return *surfaces_[point.shape].side[point.side];
   }
   /// The scattering model at the point: the side's own where it is uniform, else resolved into `storage`, for
   /// which the point's shading frame may be turned. `direction`: of the ray that arrived. `choose()` in [0, 1)
@@ -53,11 +56,12 @@ class Scene {
   const Bsdf& resolve(SurfacePoint& point, const V3f& direction, Bsdf& storage, Choose&& choose) const {
     const MaterialSide& material = side(point);
     if (material.is_uniform()) return material.uniform();
-    storage = resolve_at(material, point, direction, material.traits().needs_choice ? choose() : 0.0f);
+    resolve_at(material, point, direction, material.traits().needs_choice ? choose() : 0.0f, storage);
     return storage;
   }
   /// Radiance that the point emits towards the viewer, W/(m2 sr).
   [[nodiscard]] C3f emitted_radiance(const SurfacePoint& point) const {
+    if (!surfaces_[point.shape].emits[point.side]) return C3f(0.0f);
     const Shape& shape = description_.shapes[point.shape];
     if (shape.radiance_texture && point.side == front) return color_at(*shape.radiance_texture, point.where());
     return shape.radiance[point.side];
@@ -77,30 +81,45 @@ class Scene {
     float offset;     // SurfacePoint::offset
     float near_edge;  // see geometry.h
   };
+  // What every vertex reads of the shape that it is on, in one line of the cache. Pointers are null where there
+  // is nothing of the kind; arrays of an instance are in its own coordinates.
+  struct alignas(64) Surface {
+    const V3u* triangles;
+    const V3f* positions;
+    const V3f* normals;
+    const V2f* uvs;
+    const Face* faces;
+    std::array<const MaterialSide*, 2> side;
+    std::array<bool, 2> emits, needs_uv, needs_tangents;
+    bool is_mesh;
+  };
   void find_faces();
+  void find_surfaces();
   // The point of an analytic surface or an instance, and its normals, of the front.
   void place(SurfacePoint& point, const Ray& ray, const Hit& hit, V3f& normal, V3f& shading_normal) const;
   // The interpolated normal of a triangle's front; `normal`, the true one, if there is none.
-  static V3f shading_normal_of(const Mesh& mesh, const Hit& hit, const V3f& normal) {
-    if (mesh.normals.empty()) return normal;
-    const V3u& index = mesh.triangles[hit.primitive];
-    const V3f n = mesh.normals[index.x] * (1.0f - hit.u - hit.v) + mesh.normals[index.y] * hit.u +
-                  mesh.normals[index.z] * hit.v;
+  static V3f shading_normal_of(const Surface& surface, const Hit& hit, const V3f& normal) {
+    if (!surface.normals) return normal;
+    const V3u& index = surface.triangles[hit.primitive];
+    const V3f* normals = surface.normals;
+    const V3f n =
+        normals[index.x] * (1.0f - hit.u - hit.v) + normals[index.y] * hit.u + normals[index.z] * hit.v;
     const V3f shading_normal = n.dot(n) > 0.0f ? unit(n) : normal;
     // Normals that disagree with the winding by more than a right angle mean the same side, written inside out.
     return shading_normal.dot(normal) < 0.0f ? -shading_normal : shading_normal;
   }
-  static Bsdf resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u);
+  static void resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u,
+                         Bsdf& bsdf);
   // Texture coordinates, tangents and a frame along them. `normal` is that of the front.
-  void add_parametrization(SurfacePoint& point, const Shape& shape, const V3f& normal) const;
+  void add_parametrization(SurfacePoint& point, const V3f& normal) const;
 
   SceneDescription description_;
   std::vector<std::vector<Face>> face_lists_;  // one a mesh, however many instances it has
-  std::vector<const Face*> faces_;  // by shape, then triangle; of an instance in its own coordinates
+  std::vector<Surface> surfaces_;              // by shape
   Box3f bounds_;
   RayCaster caster_;
   Lights lights_;
-  bool has_see_through_, has_textures_;
+  bool has_see_through_, has_textures_, is_large_ = false;
 };
 
 inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
@@ -109,18 +128,20 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
   point.primitive = hit.primitive;
   point.u = hit.u;
   point.v = hit.v;
-  const Shape& shape = description_.shapes[hit.shape];
+  const Surface& surface = surfaces_[hit.shape];
   V3f normal, shading_normal;  // of the front
-  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-    const auto p = corners(*mesh, hit.primitive);
+  if (surface.is_mesh) {
+    const V3u& index = surface.triangles[hit.primitive];
+    const std::array<V3f, 3> p{surface.positions[index.x], surface.positions[index.y],
+                               surface.positions[index.z]};
     const float w = 1.0f - hit.u - hit.v;
     point.position = p[0] * w + p[1] * hit.u + p[2] * hit.v;
-    const Face& face = faces_[hit.shape][hit.primitive];
+    const Face& face = surface.faces[hit.primitive];
     normal = face.normal;
     point.offset = face.offset;
     if (std::min({w, hit.u, hit.v}) < face.near_edge) [[unlikely]]
       point.position = clear_of_edges(point.position, p, normal, {w, hit.u, hit.v}, face.offset);
-    shading_normal = shading_normal_of(*mesh, hit, normal);
+    shading_normal = shading_normal_of(surface, hit, normal);
   } else {
     place(point, ray, hit, normal, shading_normal);
   }
@@ -130,7 +151,7 @@ inline SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
   // A viewer below the shading horizon would see a black rim: there the geometric normal shades.
   if (shading_normal.dot(ray.direction) >= 0.0f) shading_normal = point.geometric_normal;
   point.shading = Frame(shading_normal);
-  if (side(point).traits().needs_uv || shape.radiance_texture) add_parametrization(point, shape, normal);
+  if (surface.needs_uv[point.side]) add_parametrization(point, normal);
   return point;
 }
 

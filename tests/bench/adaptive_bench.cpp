@@ -2,7 +2,6 @@
 // that of as many samples divided equally (gain: squared error of those over that of the shared ones). Usage:
 // adaptive_bench [size [runs [scene ...]]].
 #include <cstdio>
-#include <cstdlib>
 
 #include "render/stopwatch.h"
 #include "tests/bench/true_error.h"
@@ -61,13 +60,10 @@ void measure(const std::string& name, int size, int runs) {
 
 int main(int argc, char** argv) {
   using namespace twopass::bench;
-  const int size = argc > 1 ? std::atoi(argv[1]) : 32, runs = argc > 2 ? std::atoi(argv[2]) : 4;
+  const Arguments arguments(argc, argv,
+                            {32, 4, {"cornell-box", "cornell-box-specular", "materials", "direct", "cove"}});
   std::printf(
       "| scene | goal | samples a pixel | stopped early | estimated error | true error | true, uniform | gain "
       "by samples | by CPU |\n|---|---|---|---|---|---|---|---|---|\n");
-  if (argc > 3)
-    for (int i = 3; i < argc; ++i) measure(argv[i], size, runs);
-  else
-    for (const char* name : {"cornell-box", "cornell-box-specular", "materials", "direct", "cove"})
-      measure(name, size, runs);
+  for (const std::string& scene : arguments.scenes) measure(scene, arguments.size, arguments.runs);
 }

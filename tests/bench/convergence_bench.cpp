@@ -4,18 +4,15 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "integrators/path.h"
-#include "render/image/compare.h"
-#include "render/load/load.h"
-#include "render/render_image.h"
 #include "render/stopwatch.h"
+#include "tests/bench/true_error.h"
 
 namespace twopass {
 namespace {
 
 constexpr int counts[] = {1, 4, 16, 64, 256};
 
-struct Bench {
+struct Pictures {
   const Integrator& path;
   const Camera& camera;
   int size, renders;
@@ -49,38 +46,27 @@ Image blurred(const Image& image) {
   return pass(pass(image, 1, 0), 0, 1);
 }
 
-// relMSE of one of the pictures, from how they differ from each other.
-double relmse_between(std::span<const Image> images) {
-  const auto n = static_cast<double>(images.size());
-  const int width = images[0].width, height = images[0].height;
-  double sum = 0.0;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < 3; ++c) {
-        double mean = 0.0, squares = 0.0;
-        for (const Image& image : images) mean += image.at(x, y, c) / n;
-        for (const Image& image : images) squares += (image.at(x, y, c) - mean) * (image.at(x, y, c) - mean);
-        sum += squares / (n - 1.0) / (mean * mean + relmse_epsilon);
-      }
-  return sum / (3.0 * width * height);
-}
-
-Result measure(const Bench& bench, SamplerKind kind, int samples) {
+Result measure(const Pictures& pictures, SamplerKind kind, int samples) {
   std::vector<Image> images;
   const Stopwatch stopwatch;
-  for (int k = 0; k < bench.renders; ++k) {
-    Film film(bench.size, bench.size);
+  for (int k = 0; k < pictures.renders; ++k) {
+    Film film(pictures.size, pictures.size);
     // A box filter: it adds least to what the light itself varies.
-    render_image(
-        {bench.path, bench.camera, box_filter(), {samples, 0.0, 0.0}, static_cast<std::uint32_t>(k), kind, {}},
-        film);
+    render_image({pictures.path,
+                  pictures.camera,
+                  box_filter(),
+                  {samples, 0.0, 0.0},
+                  static_cast<std::uint32_t>(k),
+                  kind,
+                  {}},
+                 film);
     images.push_back(film.resolve());
   }
-  const double paths = static_cast<double>(bench.size) * bench.size * bench.renders * samples;
+  const double paths = static_cast<double>(pictures.size) * pictures.size * pictures.renders * samples;
   const double cpu = stopwatch.elapsed().cpu_seconds;
   std::vector<Image> seen;
   for (const Image& image : images) seen.push_back(blurred(image));
-  return {relmse_between(images), relmse_between(seen), 1e6 * cpu / paths};
+  return {bench::relmse_between(images), bench::relmse_between(seen), 1e6 * cpu / paths};
 }
 
 // Least squares through the logarithms.

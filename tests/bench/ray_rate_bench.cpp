@@ -236,6 +236,8 @@ void path_tracer(benchmark::State& state, const std::string& file) {
   RayCounts counts;
   C3f sum(0.0f);
   std::vector<PathSample> samples;
+  const RayCone cone =
+      bench.scene.has_textures() ? sample_cone(bench.camera, size, size, samples_per_pixel) : RayCone{};
   for (auto _ : state) {
     for (std::uint32_t i = 0; i < pixels_drawn * samples_per_pixel;) {
       samples.clear();
@@ -243,7 +245,7 @@ void path_tracer(benchmark::State& state, const std::string& file) {
         const std::uint32_t pixel = i / samples_per_pixel;
         Sampler sampler(1, pixel, i % samples_per_pixel);
         const Ray ray = camera_ray(bench.camera, pixel, sampler);
-        samples.push_back({ray, sampler});
+        samples.push_back({ray, sampler, {}, infinity_f, cone});
       }
       path.trace(samples, counts);
       for (const PathSample& sample : samples) sum += sample.seen.radiance;

@@ -1,7 +1,6 @@
 // Where Russian roulette should begin: error and work of `path` by rr_depth. relMSE is that between
 // independent renders, so no reference is needed. Usage: roulette_bench [size [renders [scene ...]]].
 #include <cstdio>
-#include <cstdlib>
 
 #include "render/stopwatch.h"
 #include "tests/bench/true_error.h"
@@ -14,25 +13,18 @@ struct Result {
 };
 
 Result measure(const Subject& subject, const Integrator& path, int renders, int samples) {
-  std::vector<Film> films;
+  std::vector<Image> images;
   Result result{};
   for (int k = 0; k < renders; ++k) {
-    films.push_back(subject.film());
+    Film film = subject.film();
     const Stopwatch stopwatch;
     const RenderOutcome outcome =
-        subject.render_with(path, films.back(), {samples, 0.0, 0.0}, static_cast<std::uint32_t>(k));
+        subject.render_with(path, film, {samples, 0.0, 0.0}, static_cast<std::uint32_t>(k));
     result.seconds += stopwatch.elapsed().cpu_seconds / renders;
     result.rays += static_cast<double>(outcome.counts.rays + outcome.counts.shadow_rays) / renders;
+    images.push_back(film.resolve());
   }
-  const int width = films[0].width(), height = films[0].height();
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < 3; ++c) {
-        double mean = 0.0, squares = 0.0;
-        for (const Film& film : films) mean += film.pixel(x, y).mean()[c] / renders;
-        for (const Film& film : films) squares += std::pow(film.pixel(x, y).mean()[c] - mean, 2.0);
-        result.relmse += squares / (renders - 1) / (mean * mean + relmse_epsilon) / (3.0 * width * height);
-      }
+  result.relmse = relmse_between(images);
   return result;
 }
 
@@ -59,13 +51,10 @@ void table(const std::string& name, int size, int renders) {
 
 int main(int argc, char** argv) {
   using namespace twopass::bench;
-  const int size = argc > 1 ? std::atoi(argv[1]) : 32, renders = argc > 2 ? std::atoi(argv[2]) : 16;
+  const Arguments arguments(
+      argc, argv, {32, 16, {"cornell-box", "direct", "cove", "hidden", "cornell-box-specular", "materials"}});
   std::printf(
       "| scene | rr_depth | relMSE, 64 spp | rays a path | relMSE to that of 5 | efficiency by rays | by CPU "
       "|\n|---|---|---|---|---|---|---|\n");
-  if (argc > 3)
-    for (int i = 3; i < argc; ++i) table(argv[i], size, renders);
-  else
-    for (const char* name : {"cornell-box", "direct", "cove", "hidden", "cornell-box-specular", "materials"})
-      table(name, size, renders);
+  for (const std::string& scene : arguments.scenes) table(scene, arguments.size, arguments.runs);
 }

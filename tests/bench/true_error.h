@@ -1,8 +1,12 @@
-// What the benches of sampling share: scenes by name, converged references, and the true relMSE of a picture.
+// What the benches of sampling share: their arguments, scenes by name, and the relMSE of pictures, true or by
+// how they differ from each other.
 #pragma once
 
+#include <cstdlib>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "integrators/path.h"
 #include "render/image/compare.h"
@@ -10,6 +14,20 @@
 #include "render/render_image.h"
 
 namespace twopass::bench {
+
+/// [size [runs [scene ...]]], with defaults for what is not given.
+struct Arguments {
+  int size, runs;
+  std::vector<std::string> scenes;
+
+  Arguments(int argc, char** argv, Arguments defaults) : Arguments(std::move(defaults)) {
+    if (argc > 1) size = std::atoi(argv[1]);
+    if (argc > 2) runs = std::atoi(argv[2]);
+    if (argc > 3) scenes.assign(argv + 3, argv + argc);
+  }
+  Arguments(int size_, int runs_, std::vector<std::string> scenes_)
+      : size(size_), runs(runs_), scenes(std::move(scenes_)) {}
+};
 
 /// A square picture of a scene by `path`, as the scene file says but for the size; a box filter, because it
 /// adds least to what the light itself varies.
@@ -81,6 +99,23 @@ inline double true_relmse(const Film& film, const Reference& reference) {
       for (int c = 0; c < 3; ++c) sum += (a[c] - r[c]) * (a[c] - r[c]) / (r[c] * r[c] + relmse_epsilon);
     }
   return sum / (3.0 * film.width() * film.height()) - reference.own_relmse;
+}
+
+/// relMSE of one of several pictures, from how they differ from each other: independent renders need no
+/// reference.
+inline double relmse_between(std::span<const Image> images) {
+  const auto n = static_cast<double>(images.size());
+  const int width = images[0].width, height = images[0].height;
+  double sum = 0.0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        double mean = 0.0, squares = 0.0;
+        for (const Image& image : images) mean += image.at(x, y, c) / n;
+        for (const Image& image : images) squares += (image.at(x, y, c) - mean) * (image.at(x, y, c) - mean);
+        sum += squares / (n - 1.0) / (mean * mean + relmse_epsilon);
+      }
+  return sum / (3.0 * width * height);
 }
 
 }  // namespace twopass::bench

@@ -227,7 +227,7 @@ TEST(AnalyticShapes, DensitiesOfLampsAreExact) {
       drawn.add(s.pdf_w > 0.0f && !is_black(s.radiance) ? 1.0 / s.pdf_w : 0.0);
     }
     EXPECT_NEAR(seen.mean(), drawn.mean(), 5 * std::hypot(seen.standard_error(), drawn.standard_error()));
-    EXPECT_GT(drawn.mean(), 0.05);
+    EXPECT_GT(drawn.mean(), 0.08);  // the least is the cylinder, 4.5 away: 2 r l sin(63 degrees) / d^2 = 0.088
   }
 }
 
