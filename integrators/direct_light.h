@@ -17,6 +17,7 @@ inline float power_heuristic(float own, float other) {
 struct Connection {
   Segment segment;  ///< from the surface to the light, clear of both
   C3f radiance;     ///< what the light adds if nothing is in between; black: no ray is needed
+  std::uint32_t light;  ///< its number
 };
 
 /// A vertex as the lights see it.
@@ -47,7 +48,7 @@ enum class Rival : std::uint8_t {
 inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
                                       const V3f& direction, Rival rival, const V2f& u,
                                       const Guide::Lobe* guide = nullptr, float share = 0.0f) {
-  const Connection nothing{{V3f(0.0f), V3f(0.0f)}, C3f(0.0f)};
+  const Connection nothing{{V3f(0.0f), V3f(0.0f)}, C3f(0.0f), 0};
   const LightSample light = scene.lights().sample(receiver_at(point, bsdf), u);
   if (!(light.pdf_w > 0.0f)) return nothing;
   const V3f wi = point.shading.to_local(light.direction);
@@ -65,7 +66,7 @@ inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& po
     const float weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
     return C3f(at.value * light.radiance * (reached * weight));
   });
-  return {{spawn_position(point, light.direction), light.position}, radiance};
+  return {{spawn_position(point, light.direction), light.position}, radiance, light.light};
 }
 
 }  // namespace twopass

@@ -31,6 +31,8 @@ struct Seen {
   float alpha = 0.0f;  ///< 1 where the ray meets a surface, 0 where it escapes
 };
 
+struct SampleLayers;
+
 /// One camera ray, the numbers that its path may draw, and room for what it sees.
 struct PathSample {
   Ray ray;  ///< direction of unit length
@@ -38,6 +40,7 @@ struct PathSample {
   Seen seen{};
   float reach = infinity_f;  ///< what lies further along the ray is not seen
   RayCone cone{};            ///< of the ray; integrators widen it. Closed: textures are looked at in points.
+  SampleLayers* layers = nullptr;  ///< filled in, too, where there is one
 };
 
 /// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct
@@ -57,9 +60,10 @@ inline constexpr std::size_t bundle_size = 256;
 class Integrator {
  public:
   virtual ~Integrator() = default;
-  /// Writes into `seen` of each sample an estimate of the radiance arriving along its ray from where it points.
-  /// Const and thread-safe. What a sample sees is a function of its ray and its sampler; where surfaces
-  /// coincide, the samples beside it may decide which of them it meets (I8).
+  /// Writes into `seen` of each sample (and `layers`, if any: what is seen does not depend on it) an estimate
+  /// of the radiance arriving along its ray from where it points. Const and thread-safe. What a sample sees is
+  /// a function of its ray and its sampler; where surfaces coincide, the samples beside it may decide which of
+  /// them it meets (I8).
   virtual void trace(std::span<PathSample> samples, RayCounts& counts) const = 0;
 
   /// The same for one ray.

@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "integrators/vertex.h"
 
@@ -23,6 +24,8 @@ class Bundle {
   void trace(RayCounts& counts, const AtVertex& at_vertex) {
     for (live_ = 0; live_ < samples_.size(); ++live_) {
       samples_[live_].seen = {};
+      if (samples_[live_].layers) [[unlikely]]
+        start_layers(*samples_[live_].layers);
       rays_[live_] = samples_[live_].ray;
       lanes_[live_] = static_cast<std::uint8_t>(live_);
     }
@@ -91,10 +94,18 @@ class Bundle {
     return count;
   }
 
+  void start_layers(SampleLayers& layers) {
+    layers.restart();
+    layers_.resize(bundle_size);
+  }
+
   void connect(const Vertex& vertex, std::uint8_t lane) {
     if (!vertex.samples_lights()) return;
     const Connection connection = vertex.sample_lights();
     if (is_black(connection.radiance)) return;
+    if (samples_[lane].layers) [[unlikely]]
+      layers_[connected_] = {vertex.first_scatter_of(unit(connection.segment.to - connection.segment.from)),
+                             vertex.is_first(), connection.light};
     segments_[connected_] = connection.segment;
     light_[connected_++] = {connection.radiance, lane};
   }
@@ -102,17 +113,30 @@ class Bundle {
   void add_unoccluded() {
     if (scene_.has_see_through()) {
       for (std::size_t i = 0; i < connected_; ++i)
-        samples_[light_[i].lane].seen.radiance += light_[i].radiance * scene_.transmittance(segments_[i]);
+        add_light(i, light_[i].radiance * scene_.transmittance(segments_[i]));
       return;
     }
     scene_.caster().occluded({segments_.data(), connected_}, occluded_);
     for (std::size_t i = 0; i < connected_; ++i)
-      if (!occluded_[i]) samples_[light_[i].lane].seen.radiance += light_[i].radiance;
+      if (!occluded_[i]) add_light(i, light_[i].radiance);
+  }
+
+  void add_light(std::size_t i, const C3f& radiance) {
+    PathSample& sample = samples_[light_[i].lane];
+    sample.seen.radiance += radiance;
+    if (sample.layers) [[unlikely]]
+      sample.layers->add_scattered(radiance, layers_[i].scatter, layers_[i].is_direct, layers_[i].light);
   }
 
   struct Light {
     C3f radiance;
     std::uint8_t lane;
+  };
+  // What the layers need to know of it.
+  struct LightLayers {
+    FirstScatter scatter;
+    bool is_direct;
+    std::uint32_t light;
   };
   // Few enough to stay in the nearest cache from one stage to the next.
   static constexpr std::size_t block_size = 32;
@@ -133,6 +157,7 @@ class Bundle {
   std::size_t connected_ = 0;
   std::array<Segment, bundle_size> segments_;
   std::array<Light, bundle_size> light_;
+  std::vector<LightLayers> layers_;  // none where no sample has layers
   std::array<bool, bundle_size> occluded_;
 };
 

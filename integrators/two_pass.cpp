@@ -49,12 +49,16 @@ void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
     // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
     if (vertex.gathers() && std::holds_alternative<Diffuse>(vertex.bsdf()) &&
         resolves(vertex.point(), vertex.distance())) {
-      vertex.add(reflected_radiance(vertex.bsdf(), solution_->irradiance(vertex.point())));
+      const Irradiance irradiance = solution_->irradiance(vertex.point());
+      vertex.add(reflected_radiance(vertex.bsdf(), irradiance), irradiance, LookUp::element);
       return Step::end;
     }
     const IndirectField::LookUp found = look_up(vertex);
-    if (found.known >= Known::indirect)
-      vertex.add(diffuse_reflectance(vertex.bsdf()) * found.irradiance * (1.0f / pi_f));
+    if (found.known >= Known::indirect) {
+      const C3f direct = vertex.has_layers() ? field_->direct_at(vertex.point()) : C3f(0.0f);
+      vertex.add(diffuse_reflectance(vertex.bsdf()) * found.irradiance * (1.0f / pi_f),
+                 {direct, found.irradiance - direct}, LookUp::field);
+    }
     const Step step = step_after(found.known);
     if (guide_ && step >= Step::scatter) vertex.guide_by(guide_->at(vertex.point()));
     return step;

@@ -21,7 +21,8 @@ float relative(const C3f& brings, const C3f& expected) {
 
 // Ends the path with what the solution says that it would still find, or has it go on for the rest (I12).
 // False: ended.
-bool settle(Vertex& vertex, const C3f& cached) {
+bool settle(Vertex& vertex, const Irradiance& irradiance) {
+  const C3f cached = reflected_radiance(vertex.bsdf(), irradiance);
   const C3f brings = vertex.throughput() * cached;
   C3f& expected = vertex.expected();
   float survival = 1.0f;
@@ -35,11 +36,11 @@ bool settle(Vertex& vertex, const C3f& cached) {
     return true;
   }
   if (vertex.sampler().next_1d() >= survival) {
-    vertex.add(cached);
+    vertex.add(cached, irradiance, LookUp::element);
     return false;
   }
   const float scale = 1.0f / survival;
-  vertex.add(cached * (1.0f - scale));
+  vertex.add(cached * (1.0f - scale), irradiance, LookUp::element);
   vertex.settle(scale);
   return true;
 }
@@ -59,7 +60,7 @@ void Unbiased::trace(std::span<PathSample> samples, RayCounts& counts) const {
     if (element == no_index) return Step::light_and_scatter;
     // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
     if (returns_cached_ && std::holds_alternative<Diffuse>(vertex.bsdf()) &&
-        !settle(vertex, reflected_radiance(vertex.bsdf(), solution_->irradiances()[element])))
+        !settle(vertex, solution_->irradiances()[element]))
       return Step::end;
     if (guide_) vertex.guide_by(guide_->at(element, vertex.point().geometric_normal));
     return Step::light_and_scatter;

@@ -4,6 +4,8 @@
 #include "integrators/clamp.h"
 #include "integrators/direct_light.h"
 #include "integrators/guided_directions.h"
+#include "integrators/sample_layers.h"
+#include "materials/lobes.h"
 
 namespace twopass {
 
@@ -40,6 +42,16 @@ enum class Step : std::uint8_t {
   light_and_scatter  ///< samples the lights and goes on. REQUIRES: the surface is not purely specular
 };
 
+/// Adds to the layers light that the path's edge number `edges` meets; `seen`: its class if it is seen
+/// directly.
+inline void add_met(SampleLayers& layers, const C3f& radiance, int edges, LightClass seen,
+                    std::uint32_t light) {
+  if (edges == 1)
+    layers.add(seen, radiance, light);
+  else
+    layers.add_scattered(radiance, layers.scatter, edges == 2, light);
+}
+
 /// Adds what a path finds that escapes along `ray`, its edge number `edges` (I2).
 inline void escape(const Scene& scene, const PathLimits& limits, PathSample& sample, const Carried& carried,
                    const Ray& ray, int edges) {
@@ -49,7 +61,11 @@ inline void escape(const Scene& scene, const PathLimits& limits, PathSample& sam
                            ? 1.0f
                            : power_heuristic(carried.last_pdf_w, scene.lights().escaped_pdf_w(
                                                                      carried.last_receiver, ray.direction));
-  sample.seen.radiance += clamped(carried.throughput * sky * weight, edges - carried.passed, limits);
+  const C3f radiance = clamped(carried.throughput * sky * weight, edges - carried.passed, limits);
+  sample.seen.radiance += radiance;
+  if (sample.layers) [[unlikely]]
+    add_met(*sample.layers, radiance, edges - carried.passed, LightClass::background,
+            scene.lights().environment_number());
 }
 
 /// A path at the surface where its edge number `edges` ends: the steps that all integrators share.
@@ -73,9 +89,17 @@ class Vertex {
   bool arrive() {
     const C3f emitted = scene_->emitted_radiance(point_);
     const bool hidden = limits_->hide_emitters && edges_ == 1 && !is_black(emitted);
-    if (edges_ == 1) sample_->seen.alpha = hidden || is_hole() ? 0.0f : 1.0f;
-    if (!is_black(emitted) && !hidden)
-      sample_->seen.radiance += clamped(carried_->throughput * emitted * emission_weight(), edges_, *limits_);
+    if (edges_ == 1) {
+      sample_->seen.alpha = hidden || is_hole() ? 0.0f : 1.0f;
+      if (sample_->layers) [[unlikely]]
+        see_first(hidden);
+    }
+    if (!is_black(emitted) && !hidden) {
+      const C3f radiance = clamped(carried_->throughput * emitted * emission_weight(), edges_, *limits_);
+      sample_->seen.radiance += radiance;
+      if (sample_->layers) [[unlikely]]
+        add_met(*sample_->layers, radiance, edges_, LightClass::emission, point_.shape);
+    }
     return limits_->max_depth < 0 || edges_ < limits_->max_depth || is_hole();
   }
 
@@ -88,9 +112,14 @@ class Vertex {
     return {spawn_position(point_, direction_), direction_};
   }
 
-  /// Adds radiance that leaves the vertex along the path, and is not light met here.
-  void add(const C3f& radiance) {
-    sample_->seen.radiance += clamped(carried_->throughput * radiance, edges_ + 1, *limits_);
+  [[nodiscard]] bool has_layers() const { return sample_->layers != nullptr; }
+  /// Adds radiance that diffuse reflection sends along the path from here, by what was looked up of the
+  /// solution. `irradiance`: what it reflects, in proportion.
+  void add(const C3f& radiance, const Irradiance& irradiance, LookUp look_up) {
+    const C3f added = clamped(carried_->throughput * radiance, edges_ + 1, *limits_);
+    sample_->seen.radiance += added;
+    if (sample_->layers) [[unlikely]]
+      add_to_layers(added, irradiance, look_up);
   }
 
   /// Draws the numbers that the step takes. REQUIRES: step is not `end`.
@@ -111,6 +140,16 @@ class Vertex {
     return connection;
   }
 
+  /// How the path's first surface sends on light that arrives here from the unit direction, if that is sent
+  /// along the path. REQUIRES: the sample has layers.
+  [[nodiscard]] FirstScatter first_scatter_of(const V3f& direction) const {
+    if (edges_ > 1) return sample_->layers->scatter;
+    const V3f wi = point_.shading.to_local(direction);
+    return {diffuse_share(*bsdf_, point_.shading.to_local(-direction_), wi), wi.z < 0.0f};
+  }
+  /// Whether light that arrives here straight from a light is direct light of the picture.
+  [[nodiscard]] bool is_first() const { return edges_ == 1; }
+
   /// Takes the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
   bool leave(Ray& next) {
     const std::optional<BsdfSample> drawn = scatter();
@@ -118,6 +157,9 @@ class Vertex {
     const V3f direction = point_.shading.to_world(drawn->wi);
     const float reached = agreement_of_normals(point_, direction, drawn->wi.z);
     if (reached == 0.0f) return false;
+    if (sample_->layers && edges_ == 1) [[unlikely]]
+      sample_->layers->scatter =
+          drawn->is_specular ? FirstScatter{C3f(0.0f), drawn->wi.z < 0.0f} : first_scatter_of(direction);
     Carried& carried = *carried_;
     carried.throughput *= drawn->weight * reached;
     carried.relative_ior *= drawn->eta;
@@ -166,6 +208,26 @@ class Vertex {
   [[nodiscard]] bool gathers() const { return carried_->gathers; }
 
  private:
+  void see_first(bool hidden) {
+    FirstSurface& first = sample_->layers->first;
+    first.is_there = !hidden && !is_hole();
+    if (!first.is_there) return;
+    first.point = point_;
+    first.distance = distance_;
+    first.albedo = albedo(*bsdf_);
+    first.diffuse_albedo = diffuse_reflectance(*bsdf_);
+  }
+  void add_to_layers(const C3f& radiance, const Irradiance& irradiance, LookUp look_up) {
+    SampleLayers& layers = *sample_->layers;
+    layers.looked_up = layers.looked_up || (look_up == LookUp::field && !carried_->gathers);
+    const C3f total = irradiance.total();
+    C3f direct(0.0f);
+    for (int c = 0; c < 3; ++c)
+      if (total[c] > 0.0f) direct[c] = radiance[c] * (irradiance.direct[c] / total[c]);
+    const FirstScatter by = edges_ > 1 ? layers.scatter : FirstScatter{C3f(1.0f), false};
+    layers.add_looked_up(direct, radiance - direct, by, edges_ == 1, point_, look_up);
+  }
+
   const Bsdf& resolve() {
     if (sample_->cone.is_open()) point_.beam_width = sample_->cone.width_at(distance_);
     return scene_->resolve(point_, direction_, resolved_, [this] { return sample_->sampler.next_1d(); });

@@ -28,6 +28,10 @@ C3f Phong::eval(const V3f& wo, const V3f& wi) const {
   return (specular_reflectance * lobe + base_reflectance) * cosine_hemisphere_pdf_w(wi.z);
 }
 
+C3f Phong::eval_diffuse(const V3f&, const V3f& wi) const {
+  return base_reflectance * cosine_hemisphere_pdf_w(wi.z);
+}
+
 float Phong::pdf_w(const V3f& wo, const V3f& wi) const {
   const float p = lobe_probability(*this);
   if (!(wi.z > 0.0f && p >= 0.0f)) return 0.0f;

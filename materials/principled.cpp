@@ -124,6 +124,10 @@ C3f Principled::eval(const V3f& wo, const V3f& wi) const {
   return reflected_by_facets(wo, wi, h) + reflected_diffusely(wo, wi, h);
 }
 
+C3f Principled::eval_diffuse(const V3f& wo, const V3f& wi) const {
+  return reflected_diffusely(wo, wi, unit(wo + wi));
+}
+
 float Principled::pdf_w(const V3f& wo, const V3f& wi) const {
   const LobeWeights weights = lobe_weights(wo.z);
   const float sum = weights.sum();

@@ -36,6 +36,8 @@ struct Principled {
   [[nodiscard]] bool transmits() const { return spec_trans > 0.0f && metallic < 1.0f; }
 
   [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const;
+  /// The part of eval() that the diffuse and sheen lobes of reflection make. REQUIRES: wi.z > 0.
+  [[nodiscard]] C3f eval_diffuse(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
   /// Hemispherical average of the diffuse and sheen lobes, at most 1.

@@ -32,27 +32,26 @@ PrincipledThin::LobeWeights PrincipledThin::lobe_weights() const {
           (1.0f - clear) * passing * diffuse_transmittance_sampling_rate};
 }
 
-C3f PrincipledThin::reflected(const V3f& wo, const V3f& wi) const {
-  const V3f h = unit(wo + wi);
+C3f PrincipledThin::reflected_by_facets(const V3f& wo, const V3f& wi, const V3f& h) const {
+  if (!(spec_trans > 0.0f)) return C3f(0.0f);
   const float cos_d = wo.dot(h);
-  C3f value(0.0f);
-  if (spec_trans > 0.0f) {
-    C3f fresnel(facet_fresnel(cos_d, eta) * (1.0f - spec_tint));
-    if (spec_tint > 0.0f) {
-      const float normal_incidence = (eta - 1.0f) * (eta - 1.0f) / ((eta + 1.0f) * (eta + 1.0f));
-      fresnel += schlick(tint(base_color, 1.0f) * normal_incidence, cos_d, eta) * spec_tint;
-    }
-    const GgxFacets facets = GgxFacets::from_roughness(roughness, anisotropic);
-    value += fresnel * (spec_trans * facets.distribution(h) * facets.visible(wi, h) * facets.visible(wo, h) /
-                        (4.0f * wo.z));
+  C3f fresnel(facet_fresnel(cos_d, eta) * (1.0f - spec_tint));
+  if (spec_tint > 0.0f) {
+    const float normal_incidence = (eta - 1.0f) * (eta - 1.0f) / ((eta + 1.0f) * (eta + 1.0f));
+    fresnel += schlick(tint(base_color, 1.0f) * normal_incidence, cos_d, eta) * spec_tint;
   }
+  const GgxFacets facets = GgxFacets::from_roughness(roughness, anisotropic);
+  return fresnel *
+         (spec_trans * facets.distribution(h) * facets.visible(wi, h) * facets.visible(wo, h) / (4.0f * wo.z));
+}
+
+C3f PrincipledThin::reflected_diffusely(const V3f& wo, const V3f& wi, const V3f& h) const {
   const float diffuse = (1.0f - spec_trans) * (1.0f - 0.5f * diff_trans);
-  if (diffuse > 0.0f) {
-    C3f sum = base_color * (burley_diffuse(wo.z, wi.z, cos_d, roughness, flatness) / pi_f);
-    if (sheen > 0.0f) sum += tint(base_color, sheen_tint) * (sheen * schlick_weight(cos_d));
-    value += sum * (diffuse * wi.z);
-  }
-  return value;
+  if (!(diffuse > 0.0f)) return C3f(0.0f);
+  const float cos_d = wo.dot(h);
+  C3f sum = base_color * (burley_diffuse(wo.z, wi.z, cos_d, roughness, flatness) / pi_f);
+  if (sheen > 0.0f) sum += tint(base_color, sheen_tint) * (sheen * schlick_weight(cos_d));
+  return sum * (diffuse * wi.z);
 }
 
 C3f PrincipledThin::transmitted(const V3f& wo, const V3f& wi) const {
@@ -69,7 +68,13 @@ C3f PrincipledThin::transmitted(const V3f& wo, const V3f& wi) const {
 
 C3f PrincipledThin::eval(const V3f& wo, const V3f& wi) const {
   if (wi.z == 0.0f) return C3f(0.0f);
-  return wi.z > 0.0f ? reflected(wo, wi) : transmitted(wo, wi);
+  if (wi.z < 0.0f) return transmitted(wo, wi);
+  const V3f h = unit(wo + wi);
+  return reflected_by_facets(wo, wi, h) + reflected_diffusely(wo, wi, h);
+}
+
+C3f PrincipledThin::eval_diffuse(const V3f& wo, const V3f& wi) const {
+  return reflected_diffusely(wo, wi, unit(wo + wi));
 }
 
 float PrincipledThin::pdf_w(const V3f& wo, const V3f& wi) const {

@@ -27,6 +27,8 @@ struct PrincipledThin {
   float diffuse_transmittance_sampling_rate = 1.0f;
 
   [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const;
+  /// The part of eval() that the diffuse and sheen lobes of reflection make. REQUIRES: wi.z > 0.
+  [[nodiscard]] C3f eval_diffuse(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
   /// Hemispherical average of the diffuse and sheen lobes of reflection, at most 1.
@@ -55,7 +57,8 @@ struct PrincipledThin {
  private:
   struct LobeWeights;
   [[nodiscard]] LobeWeights lobe_weights() const;
-  [[nodiscard]] C3f reflected(const V3f& wo, const V3f& wi) const;
+  [[nodiscard]] C3f reflected_by_facets(const V3f& wo, const V3f& wi, const V3f& h) const;
+  [[nodiscard]] C3f reflected_diffusely(const V3f& wo, const V3f& wi, const V3f& h) const;
   [[nodiscard]] C3f transmitted(const V3f& wo, const V3f& wi) const;
 };
 

@@ -25,11 +25,14 @@ BsdfValue RoughPlastic::evaluate(const V3f& wo, const V3f& wi, float p) const {
   const V3f m = unit(wo + wi);
   float cos_t;
   const float reflected = fresnel_dielectric(std::min(wo.dot(m), 1.0f), eta, cos_t);
-  const float through = coat->transmittance_at(wo.z) * coat->transmittance_at(wi.z);
-  const float base_pdf_w = cosine_hemisphere_pdf_w(wi.z);
   const MicrofacetDistribution::Reflection facet = facets().reflection_and_pdf_w(wo, wi, m);
-  return {specular_reflectance * (reflected * facet.value) + base() * (through * base_pdf_w),
-          p >= 0.0f ? p * facet.pdf_w + (1.0f - p) * base_pdf_w : 0.0f};
+  return {specular_reflectance * (reflected * facet.value) + eval_diffuse(wo, wi),
+          p >= 0.0f ? p * facet.pdf_w + (1.0f - p) * cosine_hemisphere_pdf_w(wi.z) : 0.0f};
+}
+
+C3f RoughPlastic::eval_diffuse(const V3f& wo, const V3f& wi) const {
+  const float through = coat->transmittance_at(wo.z) * coat->transmittance_at(wi.z);
+  return base() * (through * cosine_hemisphere_pdf_w(wi.z));
 }
 
 std::optional<BsdfSample> RoughPlastic::sample(const V3f& wo, const V2f& u) const {

@@ -25,6 +25,8 @@ struct RoughPlastic {
   [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const { return evaluate(wo, wi).value; }
   [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const { return evaluate(wo, wi).pdf_w; }
   [[nodiscard]] BsdfValue evaluate(const V3f& wo, const V3f& wi) const;
+  /// The part of eval() that the base makes. REQUIRES: wi.z > 0.
+  [[nodiscard]] C3f eval_diffuse(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
   /// Albedo of the base through its coat under uniform light.
   [[nodiscard]] C3f diffuse_reflectance() const {

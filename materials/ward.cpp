@@ -38,6 +38,10 @@ C3f Ward::eval(const V3f& wo, const V3f& wi) const {
   return specular_reflectance * lobe(*this, wo, wi) + base_reflectance * cosine_hemisphere_pdf_w(wi.z);
 }
 
+C3f Ward::eval_diffuse(const V3f&, const V3f& wi) const {
+  return base_reflectance * cosine_hemisphere_pdf_w(wi.z);
+}
+
 float Ward::pdf_w(const V3f& wo, const V3f& wi) const {
   const float p = lobe_probability(*this);
   if (!(wi.z > 0.0f && p >= 0.0f)) return 0.0f;

@@ -20,6 +20,8 @@ struct Ward {
   WardVariant variant = WardVariant::balanced;
 
   [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const;
+  /// The part of eval() that the base makes. REQUIRES: wi.z > 0.
+  [[nodiscard]] C3f eval_diffuse(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
   [[nodiscard]] C3f diffuse_reflectance() const { return base_reflectance; }

@@ -264,6 +264,7 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
   const auto faces = static_cast<std::uint32_t>(vertices.faces().cells);
   const LampLight lamps(scene);
   value_.resize(faces);
+  direct_.resize(faces, Corners{C3f(0.0f), C3f(0.0f), C3f(0.0f)});
   known_.resize(faces, Known::nothing);
   // What (R40) doubts is looked at: its distances are those from corners, where walls that meet are always
   // near.
@@ -288,13 +289,14 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
       const bool trusted = is_trusted(f, cast);
       const std::array<V3d, 3> at{V3d(vertices.position(corner[0])), V3d(vertices.position(corner[1])),
                                   V3d(vertices.position(corner[2]))};
-      const auto direct = lamps.is_known()
+      const auto direct = options.with_direct && lamps.is_known()
                               ? direct_of(mesh_->patch(f), at, lamps, value_[f], options.direct_tolerance)
                               : std::nullopt;
       if (trusted) known_[f] = direct ? Known::all : Known::indirect;
       if (!trusted && direct && is_black(*direct)) known_[f] = Known::no_direct;
-      if (trusted && direct)
-        for (std::size_t k = 0; k < 3; ++k) value_[f][k] += (*direct)[k];
+      if (!trusted || !direct) continue;
+      direct_[f] = *direct;
+      for (std::size_t k = 0; k < 3; ++k) value_[f][k] += (*direct)[k];
     }
     rays += cast;
   });
@@ -304,6 +306,16 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
   for (std::uint32_t f = 0; f < faces && area > 0.0; ++f)
     for (int k = 0; k <= static_cast<int>(known_[f]); ++k)
       share_[static_cast<std::size_t>(k)] += mesh_->area(f) / area;
+}
+
+C3f IndirectField::direct_at(const SurfacePoint& point) const {
+  const ElementMesh::Location location = mesh_->locate(point);
+  return location.element < direct_.size() ? interpolated(direct_[location.element], location) : C3f(0.0f);
+}
+
+C3f IndirectField::indirect_at_any(const SurfacePoint& point) const {
+  const ElementMesh::Location location = mesh_->locate(point);
+  return location.element < value_.size() ? interpolated(value_[location.element], location) : C3f(0.0f);
 }
 
 }  // namespace twopass

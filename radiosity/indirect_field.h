@@ -16,6 +16,7 @@ struct IndirectFieldOptions {
   double noise = 0.02;
   /// Largest error of direct light that is looked up, too (R43), relative to all the light there.
   double direct_tolerance = 0.005;
+  bool with_direct = true;  ///< direct light is looked up at all
   std::uint32_t least_rays = 64, most_rays = 512;
   std::uint32_t seed = 0;
 };
@@ -47,13 +48,15 @@ class IndirectField {
     const ElementMesh::Location location = mesh_->locate(point);
     if (location.element >= known_.size()) return {};
     LookUp found{known_[location.element]};
-    if (found.known >= Known::indirect) {
-      const std::array<C3f, 3>& corner = value_[location.element];
-      found.irradiance =
-          corner[0] + (corner[1] - corner[0]) * location.u + (corner[2] - corner[0]) * location.v;
-    }
+    if (found.known >= Known::indirect) found.irradiance = interpolated(value_[location.element], location);
     return found;
   }
+
+  /// The light of lamps in what at() finds, W/m2.
+  [[nodiscard]] C3f direct_at(const SurfacePoint& point) const;
+  /// What diffuse surfaces send where it cannot be trusted, too; 0 where there is none. REQUIRES: built without
+  /// direct light.
+  [[nodiscard]] C3f indirect_at_any(const SurfacePoint& point) const;
 
   /// Of an element; nothing of those that are no cells.
   [[nodiscard]] Known known(std::uint32_t element) const {
@@ -65,8 +68,13 @@ class IndirectField {
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
  private:
+  using Corners = std::array<C3f, 3>;
+  [[nodiscard]] static C3f interpolated(const Corners& corner, const ElementMesh::Location& location) {
+    return corner[0] + (corner[1] - corner[0]) * location.u + (corner[2] - corner[0]) * location.v;
+  }
+
   const ElementMesh* mesh_;
-  std::vector<std::array<C3f, 3>> value_;  // by face: at its corners
+  std::vector<Corners> value_, direct_;  // by face, at its corners: all that is known, and of that the lamps' part
   std::vector<Known> known_;               // by face: elements that are cells
   std::array<double, 4> share_{};
   std::uint64_t rays_ = 0;

@@ -51,5 +51,9 @@ class Solution {
 /// form factors, enforcement of their sums, direct irradiance, solver. The same bits on any number of threads.
 /// Throws Error when the chosen method cannot handle so many elements, Interrupted when the user stops it.
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options = {});
+/// The same on the elements of another solution, of a scene with the same surfaces and materials under other
+/// lights.
+Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
+                            const RadiosityOptions& options = {});
 
 }  // namespace twopass

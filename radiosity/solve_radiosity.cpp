@@ -249,15 +249,9 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
   return mesh;
 }
 
-}  // namespace
-
-Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested) {
-  RadiosityOptions options = requested;
-  const Choice choice = choose(scene, options);
-  if (choice.is_for_gathering && options.rays_per_element == 0)
-    options.rays_per_element = rays_of_a_gathered_element;
-  ElementMesh mesh =
-      divide_surfaces(scene, choice.is_adaptive ? choice.max_elements / coarse_part : choice.max_elements);
+// On elements that are wholly exposed.
+Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options, const Choice& choice,
+                    bool refines) {
   RadiosityStats stats;
   stats.max_reflections = options.max_reflections;
   const bool is_dark =
@@ -266,13 +260,43 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested) 
     stats.solver = name_of_value<Solver>(solver_names, choice.solver);
     stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);
     stats.elements = mesh.count();
-    stats.notes.push_back(is_dark ? "nothing emits light" : "no surface reflects light diffusely");
+    stats.notes.emplace_back(is_dark ? "nothing emits light" : "no surface reflects light diffusely");
     std::vector<Irradiance> darkness(mesh.count());
     return Solution(std::move(mesh), std::move(darkness), std::move(stats));
   }
-  if (choice.is_adaptive) mesh = refine_adaptively(scene, std::move(mesh), options, choice, stats);
+  if (refines) mesh = refine_adaptively(scene, std::move(mesh), options, choice, stats);
   std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
+}
+
+// Fills in what was left to the program.
+Choice settle(const Scene& scene, RadiosityOptions& options) {
+  const Choice choice = choose(scene, options);
+  if (choice.is_for_gathering && options.rays_per_element == 0)
+    options.rays_per_element = rays_of_a_gathered_element;
+  return choice;
+}
+
+}  // namespace
+
+Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested) {
+  RadiosityOptions options = requested;
+  const Choice choice = settle(scene, options);
+  ElementMesh mesh =
+      divide_surfaces(scene, choice.is_adaptive ? choice.max_elements / coarse_part : choice.max_elements);
+  return solve_from(scene, std::move(mesh), options, choice, choice.is_adaptive);
+}
+
+Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
+                            const RadiosityOptions& requested) {
+  RadiosityOptions options = requested;
+  const Choice choice = settle(scene, options);
+  // What is buried is found again: their areas become whole.
+  ElementMesh::Saved saved = elements.save();
+  for (std::uint32_t i = 0; i < elements.count(); ++i)
+    saved.area[i] = static_cast<float>(elements.whole_area(i));
+  std::optional<ElementMesh> mesh = ElementMesh::restore(scene.shapes(), scene.description().materials, saved);
+  return solve_from(scene, std::move(*mesh), options, choice, false);
 }
 
 }  // namespace twopass

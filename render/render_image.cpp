@@ -20,13 +20,14 @@ struct Tally {
 // The samples of a few pixels, traced together.
 class PixelGroup {
  public:
-  PixelGroup(const RenderJob& job, Film& film) : job_(job), film_(film) {}
+  PixelGroup(const RenderJob& job, Film& film) : job_(job), film_(film) {
+    if (job.layers) layers_.emplace(*job.layers);
+  }
 
   /// Draws the camera rays of a pixel's samples.
   void add(int x, int y, const SampleRange& range) {
     const V2i pixel = V2i(x, y) + job_.corner;
-    const auto stream = static_cast<std::uint32_t>(pixel.y) * static_cast<std::uint32_t>(job_.camera.width()) +
-                        static_cast<std::uint32_t>(pixel.x);
+    const std::uint32_t stream = stream_of(pixel);
     const auto strata =
         job_.all_samples > 0 ? job_.all_samples : static_cast<std::uint32_t>(job_.goal.samples_per_pixel);
     pixels_.push_back({x, y, range.end - range.begin});
@@ -41,28 +42,43 @@ class PixelGroup {
       samples_.push_back({seen.ray, sampler, {}, seen.reach});
       if (job_.cone.is_open()) samples_.back().cone = job_.cone;
       weights_.push_back(at.weight);
+      distances2_.push_back(at.offset.dot(at.offset));
     }
   }
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
 
   /// Traces all of them into the film and starts anew. The number of samples that were not finite.
   std::uint64_t finish(RayCounts& counts) {
+    if (layers_) layers_->prepare(samples_);
     job_.integrator.trace(samples_, counts);
     std::uint64_t non_finite = 0;
     std::size_t next = 0;
     for (const Pixel& pixel : pixels_) {
       PixelBatch batch;
-      for (const std::size_t end = next + pixel.samples; next < end; ++next)
+      for (const std::size_t end = next + pixel.samples; next < end; ++next) {
         if (!batch.add(samples_[next].seen.radiance, samples_[next].seen.alpha, weights_[next])) ++non_finite;
+        if (layers_)
+          layers_->add(next, samples_[next], weights_[next], distances2_[next], film_,
+                       film_.index(pixel.x, pixel.y));
+      }
       film_.add_pixel(pixel.x, pixel.y, batch);
     }
     pixels_.clear();
     samples_.clear();
     weights_.clear();
+    distances2_.clear();
     return non_finite;
   }
 
  private:
+  // Which random numbers a pixel has: those beyond the picture's border have their own, too.
+  [[nodiscard]] std::uint32_t stream_of(const V2i& pixel) const {
+    const auto x = static_cast<std::uint32_t>(pixel.x), y = static_cast<std::uint32_t>(pixel.y);
+    const bool is_inside =
+        pixel.x >= 0 && pixel.y >= 0 && pixel.x < job_.camera.width() && pixel.y < job_.camera.height();
+    return is_inside ? y * static_cast<std::uint32_t>(job_.camera.width()) + x
+                     : 0x80000000u ^ (y * 0x10001u + x);
+  }
   struct Pixel {
     int x, y;
     std::uint32_t samples;
@@ -71,7 +87,8 @@ class PixelGroup {
   Film& film_;
   std::vector<Pixel> pixels_;
   std::vector<PathSample> samples_;
-  std::vector<float> weights_;
+  std::vector<float> weights_, distances2_;
+  std::optional<Layers::Samples> layers_;
 };
 
 // One pass over a tile, as many pixels at once as fill a bundle.

@@ -6,6 +6,7 @@
 
 #include "integrators/integrator.h"
 #include "render/image/filter.h"
+#include "render/layers.h"
 #include "render/sample_plan.h"
 
 namespace twopass {
@@ -50,6 +51,7 @@ struct RenderJob {
   std::function<bool()> wants_pause{};
   std::function<void(const RenderState&)> at_pause{};
   std::function<void(const V2i& corner, const V2i& size)> tile_done{};  ///< of the film; by the tile's thread
+  const Layers* layers = nullptr;  ///< what the film's layers hold; null where it has none
 };
 
 struct RenderOutcome {

@@ -1,8 +1,11 @@
 // twopass render: one picture.
 #include <cstdio>
+#include <cstdlib>
 
+#include "radiosity/scene_fingerprint.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
+#include "render/commands/layer_options.h"
 #include "render/commands/long_render.h"
 #include "render/commands/radiosity_options.h"
 #include "render/commands/scene_options.h"
@@ -33,6 +36,7 @@ struct RenderOptions {
   RadiosityCommandOptions radiosity;
   std::string solution_file;
   DisplayOptions display;
+  LayerOptions layers;
   bool certificate = true;
   LongRenderOptions parts;
 };
@@ -97,6 +101,9 @@ Settings settle(const RenderOptions& options, const FileSettings& file, const Co
   settings.height = file.height;
   if (!options.size.empty()) parse_size(options.size, settings);
   settings.window = window_of(options, file, {settings.width, settings.height});
+  const int overscan = options.layers.overscan;
+  settings.window.corner -= V2i(overscan, overscan);
+  settings.window.size += V2i(2 * overscan, 2 * overscan);
   settings.goal = options.goal;
   const bool has_goal =
       settings.goal.samples_per_pixel > 0 || settings.goal.seconds > 0.0 || settings.goal.relative_error > 0.0;
@@ -144,14 +151,10 @@ Solution load_fitting_solution(const Scene& scene, const std::string& file, int 
 
 // Pass one, with what the user should know about it.
 PreparedPassOne run_pass_one(const Scene& scene, const RenderOptions& options, const Settings& settings,
-                             const Plan& plan, const Camera& camera, const Console& console,
+                             const Plan& plan, const RadiosityOptions& radiosity, const Console& console,
                              RenderStatistics& statistics) {
-  PassOneJob job{.scene = scene,
-                 .plan = plan,
-                 .integrator = settings.integrator,
-                 .radiosity = radiosity_options(settings.integrator, settings.limits, camera, settings.window,
-                                                options.radiosity.settle(settings.seed),
-                                                settings.goal.seconds * statistics.threads)};
+  PassOneJob job{
+      .scene = scene, .plan = plan, .integrator = settings.integrator, .radiosity = radiosity};
   Elapsed load_time;
   if (!plan.radiosity_pass) {
     for (const Skipped& skipped : plan.skipped)
@@ -199,9 +202,48 @@ SamplingGoal left_of(SamplingGoal goal, const Elapsed& pass_one, bool is_certifi
   return goal;
 }
 
+// The light of the solution by light group. Its time is part of pass one.
+std::optional<GroupedLight> group_solution(const Scene& scene, const std::optional<LightGroups>& groups,
+                                           const PreparedPassOne& pass_one, const RadiosityOptions& radiosity,
+                                           const Console& console, RenderStatistics& statistics) {
+  if (!groups || !pass_one.solution) return std::nullopt;
+  const Stopwatch stopwatch;
+  IndirectFieldOptions field_options;
+  field_options.seed = radiosity.seed;
+  std::optional<GroupedLight> grouped;
+  grouped.emplace(scene, *groups, *pass_one.solution, radiosity, pass_one.field != nullptr, field_options);
+  const Elapsed elapsed = stopwatch.elapsed();
+  statistics.radiosity_time += elapsed;
+  char text[120];
+  std::snprintf(text, sizeof text, "light groups: %zu, each solved by itself, %.2f s", groups->size(),
+                elapsed.seconds);
+  console.note(text);
+  return grouped;
+}
+
+// Which OpenColorIO configuration there was.
+std::string ocio_text(const DisplayOptions& options, const DisplayTransform* display) {
+  if (display) return display->description();
+  if (!options.config.empty()) return options.config;
+  const char* variable = std::getenv("OCIO");
+  return variable && *variable ? variable : "built-in";
+}
+
+// What is within a border of that many pixels.
+Image without_border(const Image& image, int border) {
+  if (border == 0) return image;
+  Image inner(image.width - 2 * border, image.height - 2 * border, image.channels);
+  for (int y = 0; y < inner.height; ++y)
+    std::copy_n(&image.pixels[image.index(border, y + border, 0)],
+                static_cast<std::size_t>(inner.width) * image.channels.size(),
+                &inner.pixels[inner.index(0, y, 0)]);
+  return inner;
+}
+
 ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
                        const RenderStatistics& s) {
   ExrOptions exr;
+  options.layers.settle(options.layers.request(), exr);
   exr.data_offset = settings.window.corner;
   exr.display_size = V2i(settings.width, settings.height);
   exr.pixel_type = wants_half(options, file) ? PixelType::half : PixelType::float_;
@@ -276,6 +318,15 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     if (is_display_referred(output) && !display) display.emplace(options.display);
   }
   if (!options.stats_file.empty()) check_writable(options.stats_file);
+  const LayerRequest layer_request = options.layers.request();
+  {
+    ExrOptions exr;
+    options.layers.settle(layer_request, exr);
+    options.layers.check(layer_request, options.outputs, exr);
+  }
+  if (!layer_request.empty() && options.parts.is_partial())
+    throw Error("--aov, --light-groups, --cryptomatte", "partial pictures hold no layers",
+                "leave out the layers, or --slice, --checkpoint and --resume");
   LongRender parts(options.parts, console);
   const ThreadLimit limit(global.threads);
 
@@ -299,17 +350,27 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 
   s.threads = limit.threads();
   const Camera camera(camera_description, settings.width, settings.height);
-  const PreparedPassOne pass_one = run_pass_one(scene, options, settings, plan, camera, console, s);
+  const RadiosityOptions radiosity =
+      radiosity_options(settings.integrator, settings.limits, camera, settings.window,
+                        options.radiosity.settle(settings.seed), settings.goal.seconds * s.threads);
+  const PreparedPassOne pass_one = run_pass_one(scene, options, settings, plan, radiosity, console, s);
+  std::optional<LightGroups> groups;
+  if (layer_request.light_groups) groups.emplace(light_groups_of(scene));
+  const std::optional<GroupedLight> grouped = group_solution(scene, groups, pass_one, radiosity, console, s);
 
   const bool is_certified =
       pass_one.solution && options.certificate && settings.integrator == IntegratorKind::two_pass;
   const SamplingGoal goal = left_of(settings.goal, pass_one.time(), is_certified);
 
   stopwatch = Stopwatch();
-  if (const double bytes = Film::bytes_to_render(settings.window.size.x, settings.window.size.y); bytes > 1e9)
+  const Layers layers(layer_request, scene, camera_description, pass_one.solution.get(),
+                      groups ? &*groups : nullptr, grouped ? &*grouped : nullptr);
+  const FilmLayout layout = layers.layout(loaded.settings.filter.table != nullptr);
+  if (const double bytes = Film::bytes_to_render(settings.window.size.x, settings.window.size.y, layout);
+      bytes > 1e9)
     console.note("the picture needs " + std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) +
                  " GB of memory, however many samples it has");
-  Film film(settings.window.size.x, settings.window.size.y);
+  Film film(settings.window.size.x, settings.window.size.y, layout);
   const std::unique_ptr<Integrator> integrator =
       make_integrator(settings.integrator, scene, pass_one.view(), settings.limits);
   const RayCone cone = scene.has_textures()
@@ -338,21 +399,34 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.seed = settings.seed;
   s.outcome.stop_reason = "not yet";
 
+  char fingerprint[17];
+  std::snprintf(fingerprint, sizeof fingerprint, "%016llx",
+                static_cast<unsigned long long>(scene_fingerprint(scene)));
   const std::function<ExrOptions(const RenderState&)> options_of_picture = [&](const RenderState& state) {
     s.samples = film.samples();
     s.outcome.counts = state.costs.counts;
-    return exr_options(options, loaded.settings, settings, s);
+    ExrOptions exr = exr_options(options, loaded.settings, settings, s);
+    exr.world_to_camera = M44f(world_to_camera(camera_description));
+    exr.world_to_ndc = M44f(world_to_ndc(camera_description, settings.width, settings.height));
+    exr.metadata.emplace_back("twopass/sceneFingerprint", std::string(fingerprint));
+    exr.metadata.emplace_back("twopass/ocio", ocio_text(options.display, display ? &*display : nullptr));
+    for (const auto& [name, value] : layers.cryptomatte_metadata()) exr.metadata.emplace_back(name, value);
+    if (options.layers.seconds)
+      exr.metadata.emplace_back("twopass/seconds", static_cast<float>(stopwatch.seconds()));
+    return exr;
   };
   // All of them, even when one of them fails: then throws its Error.
   const std::function<void(const RenderState&)> write_pictures = [&](const RenderState& state) {
     const ExrOptions exr = options_of_picture(state);
-    const Image image = film.resolve();
+    const Image image = film.resolve_all();
     std::exception_ptr failure;
     for (const std::string& output : options.outputs) try {
         if (parts.is_slice() && !is_display_referred(output))
           parts.save(output, film, state, exr);
         else
-          write_picture(output, image, display ? &*display : nullptr, exr);
+          write_picture(output,
+                        is_display_referred(output) ? without_border(image, options.layers.overscan) : image,
+                        display ? &*display : nullptr, exr);
       } catch (const Error&) {
         if (!failure) failure = std::current_exception();
       }
@@ -367,7 +441,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                   .seed = settings.seed,
                   .sampler = settings.sampler,
                   .cone = cone,
-                  .corner = settings.window.corner};
+                  .corner = settings.window.corner,
+                  .layers = layer_request.empty() ? nullptr : &layers};
     if (console.verbosity() != Verbosity::quiet)
       job.report_progress = [&](const RenderProgress& at) {
         progress.update(at.fraction, [&] { return progress_text(at); });
@@ -472,6 +547,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
       .add_option("--exr-type", options->exr_type,
                   "Pixels of .exr files (default: as the scene says, else half)")
       ->check(CLI::IsMember({"half", "float"}));
+  options->layers.add_to(command);
   command.add_flag("!--no-certificate", options->certificate,
                    "Do not measure the bias of twopass, which costs about 5 % of the rays");
   command.add_option("--stats", options->stats_file, "Write statistics as JSON");

@@ -1,11 +1,13 @@
 #include "render/image/exr.h"
 
 #include <cstring>
+#include <map>
 #include <set>
 #include <span>
 #include <string_view>
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -13,8 +15,11 @@
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTestFile.h>
 
@@ -81,45 +86,102 @@ ExrMetadata metadata_of(const Imf::Header& header) {
   return metadata;
 }
 
-Imf::PixelType type_of_channel(std::string_view name, const ExrOptions& options) {
+bool is_among(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool is_color(std::string_view name, const ExrOptions& options) {
   const auto [layer, suffix] = split(name);
-  const bool is_color = suffix == "R" || suffix == "G" || suffix == "B" || suffix == "A";
-  const bool is_data_layer =
-      std::find(options.float_layers.begin(), options.float_layers.end(), layer) != options.float_layers.end();
-  return is_color && !is_data_layer && options.pixel_type == PixelType::half ? Imf::HALF : Imf::FLOAT;
+  return (suffix == "R" || suffix == "G" || suffix == "B" || suffix == "A") &&
+         !is_among(options.float_layers, layer);
 }
 
-void check_channels(const fs::path& path, const Image& image) {
-  std::set<std::string_view> seen;
-  for (const std::string& name : image.channels)
-    if (name.empty() || !seen.insert(name).second)
-      throw Error(path.string(),
-                  "the channel name '" + name + "' is " + (name.empty() ? "empty" : "used twice"),
-                  "give every layer its own name");
-  if (image.pixels.empty())
-    throw Error(path.string(), "the picture has no pixels", "render at least one pixel");
+Imf::PixelType type_of_channel(std::string_view name, const ExrOptions& options) {
+  if (is_among(options.integer_layers, split(name).layer)) return Imf::UINT;
+  return is_color(name, options) && options.pixel_type == PixelType::half ? Imf::HALF : Imf::FLOAT;
 }
 
-Imf::Header make_header(const Image& image, const ExrOptions& options) {
-  Imf::Header header = picture_header(image.width, image.height, options);
-  for (const std::string& name : image.channels)
-    header.channels().insert(name, Imf::Channel(type_of_channel(name, options)));
-  return header;
-}
+// Annex A of the forum's recommendation: red, green, blue, white.
+const std::map<std::string, Imf::Chromaticities, std::less<>> color_spaces{
+    {"lin_rec709_scene", {{0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}}},
+    {"lin_ap1_scene", {{0.713f, 0.293f}, {0.165f, 0.830f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}}},
+    {"lin_ap0_scene", {{0.7347f, 0.2653f}, {0.0f, 1.0f}, {0.0001f, -0.077f}, {0.32168f, 0.33767f}}},
+    {"lin_p3d65_scene", {{0.680f, 0.320f}, {0.265f, 0.690f}, {0.150f, 0.060f}, {0.3127f, 0.3290f}}},
+    {"lin_rec2020_scene", {{0.708f, 0.292f}, {0.170f, 0.797f}, {0.131f, 0.046f}, {0.3127f, 0.3290f}}}};
 
-// The pixels as they may be written: finite, and within the range of the channel's type.
-std::vector<float> writable_pixels(const Image& image, const ExrOptions& options) {
-  const std::size_t channels = image.channels.size();
-  std::vector<float> limits(channels);
-  for (std::size_t c = 0; c < channels; ++c)
-    limits[c] = type_of_channel(image.channels[c], options) == Imf::HALF ? largest_half
-                                                                         : std::numeric_limits<float>::max();
-  std::vector<float> pixels = image.pixels;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const float limit = limits[i % channels];
-    pixels[i] = std::isfinite(pixels[i]) ? std::clamp(pixels[i], -limit, limit) : 0.0f;
+Imf::Compression compression_of(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::none:
+      return Imf::NO_COMPRESSION;
+    case ExrCompression::rle:
+      return Imf::RLE_COMPRESSION;
+    case ExrCompression::zip:
+      return Imf::ZIP_COMPRESSION;
+    case ExrCompression::piz:
+      return Imf::PIZ_COMPRESSION;
+    case ExrCompression::pxr24:
+      return Imf::PXR24_COMPRESSION;
+    case ExrCompression::b44:
+      return Imf::B44_COMPRESSION;
+    case ExrCompression::b44a:
+      return Imf::B44A_COMPRESSION;
+    case ExrCompression::dwaa:
+      return Imf::DWAA_COMPRESSION;
+    case ExrCompression::dwab:
+      return Imf::DWAB_COMPRESSION;
+    case ExrCompression::zips:
+      break;
   }
-  return pixels;
+  return Imf::ZIPS_COMPRESSION;
+}
+
+// The channels of one part.
+struct Part {
+  std::string name;
+  std::vector<std::size_t> channels;  // of the image
+  bool has_color = false;
+};
+
+std::vector<Part> parts_of(const Image& image, const ExrOptions& options) {
+  std::vector<Part> parts;
+  for (std::size_t c = 0; c < image.channels.size(); ++c) {
+    const std::string& channel = image.channels[c];
+    const bool has_color = is_color(channel, options);
+    std::string name(split(channel).layer);
+    if (name.empty()) name = has_color ? "rgba" : channel;
+    if (options.parts == ExrParts::single) name = "";
+    auto part = std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == name; });
+    if (part == parts.end()) part = parts.insert(parts.end(), {name, {}, false});
+    part->channels.push_back(c);
+    part->has_color = part->has_color || has_color;
+  }
+  return parts;
+}
+
+Imf::Header make_header(const Image& image, const Part& part, const ExrOptions& options) {
+  const V2i corner = options.data_offset;
+  const V2i frame = options.display_size.value_or(V2i(image.width, image.height));
+  const Imath::Box2i display(V2i(0, 0), frame - V2i(1, 1));
+  const Imath::Box2i data(corner, corner + V2i(image.width - 1, image.height - 1));
+  Imf::Header header(display, data, 1.0f, V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y,
+                     compression_of(options.compression));
+  if (!part.name.empty()) {
+    header.setName(part.name);
+    header.setType(Imf::SCANLINEIMAGE);
+  }
+  // The tag of the Color Interop Forum.
+  header.insert("colorInteropID", Imf::StringAttribute(part.has_color ? options.color_space : "data"));
+  const bool writes_chromaticities =
+      options.chromaticities == ExrChromaticities::always ||
+      (options.chromaticities == ExrChromaticities::automatic && options.color_space != "lin_rec709_scene");
+  if (part.has_color && writes_chromaticities)
+    Imf::addChromaticities(header, color_spaces.find(options.color_space)->second);
+  if (options.world_to_camera) Imf::addWorldToCamera(header, *options.world_to_camera);
+  if (options.world_to_ndc) Imf::addWorldToNDC(header, *options.world_to_ndc);
+  insert_metadata(header, options.metadata);
+  for (const std::size_t c : part.channels)
+    header.channels().insert(image.channels[c], Imf::Channel(type_of_channel(image.channels[c], options)));
+  return header;
 }
 
 // Slices address pixels by their coordinates in the file, whose data window need not begin at zero.
@@ -128,33 +190,59 @@ Imf::Slice slice_of(Imf::PixelType type, char* first, const Imath::Box2i& window
   return Imf::Slice::Make(type, first, window, pixel_bytes, pixel_bytes * width);
 }
 
-std::vector<half> halves_of_channel(const std::vector<float>& pixels, std::size_t channel,
-                                    std::size_t channels) {
-  std::vector<half> result;
-  result.reserve(pixels.size() / channels);
-  for (std::size_t i = channel; i < pixels.size(); i += channels) result.emplace_back(pixels[i]);
-  return result;
+// A channel as the file has it, the way it stands in memory: values that may be written, finite and within the
+// range of their type.
+template <class Value, class Convert>
+std::vector<char> plane_of(const Image& image, std::size_t channel, float low, float high,
+                           const Convert& convert) {
+  std::vector<char> plane(image.pixel_count() * sizeof(Value));
+  const std::size_t stride = image.channels.size();
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const float value = image.pixels[i * stride + channel];
+    const Value written = convert(std::isfinite(value) ? std::clamp(value, low, high) : 0.0f);
+    std::memcpy(&plane[i * sizeof(Value)], &written, sizeof(Value));
+  }
+  return plane;
+}
+
+std::vector<char> plane_of(const Image& image, std::size_t channel, Imf::PixelType type) {
+  constexpr float most = std::numeric_limits<float>::max();
+  if (type == Imf::HALF)
+    return plane_of<half>(image, channel, -largest_half, largest_half, [](float x) { return half(x); });
+  if (type == Imf::UINT)
+    return plane_of<std::uint32_t>(image, channel, 0.0f, 0x1p24f,
+                                   [](float x) { return static_cast<std::uint32_t>(std::lround(x)); });
+  return plane_of<float>(image, channel, -most, most, [](float x) { return x; });
+}
+
+// Writes one part: to an OutputFile or an OutputPart.
+template <class Output>
+void write_part(Output& output, const Image& image, const Part& part, const ExrOptions& options) {
+  std::vector<std::vector<char>> planes;
+  Imf::FrameBuffer frame;
+  for (const std::size_t c : part.channels) {
+    const Imf::PixelType type = type_of_channel(image.channels[c], options);
+    planes.push_back(plane_of(image, c, type));
+    frame.insert(image.channels[c], slice_of(type, planes.back().data(), output.header().dataWindow(),
+                                             type == Imf::HALF ? sizeof(half) : sizeof(float)));
+  }
+  output.setFrameBuffer(frame);
+  output.writePixels(image.height);
 }
 
 void encode(Imf::OStream& stream, const Image& image, const ExrOptions& options) {
-  const Imf::Header header = make_header(image, options);
-  std::vector<float> pixels = writable_pixels(image, options);
-  const std::size_t channels = image.channels.size();
-  std::vector<std::vector<half>> half_planes(channels);  // the library writes a type as it stands in memory
-  Imf::FrameBuffer frame;
-  for (std::size_t c = 0; c < channels; ++c) {
-    if (type_of_channel(image.channels[c], options) == Imf::HALF) {
-      half_planes[c] = halves_of_channel(pixels, c, channels);
-      frame.insert(image.channels[c], slice_of(Imf::HALF, reinterpret_cast<char*>(half_planes[c].data()),
-                                               header.dataWindow(), sizeof(half)));
-    } else {
-      frame.insert(image.channels[c], slice_of(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c),
-                                               header.dataWindow(), channels * sizeof(float)));
-    }
+  const std::vector<Part> parts = parts_of(image, options);
+  std::vector<Imf::Header> headers;
+  for (const Part& part : parts) headers.push_back(make_header(image, part, options));
+  if (options.parts == ExrParts::single) {
+    Imf::OutputFile file(stream, headers.front());
+    return write_part(file, image, parts.front(), options);
   }
-  Imf::OutputFile file(stream, header);
-  file.setFrameBuffer(frame);
-  file.writePixels(image.height);
+  Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()));
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Imf::OutputPart output(file, static_cast<int>(i));
+    write_part(output, image, parts[i], options);
+  }
 }
 
 // R, G, B, A, then the others as the file orders them (by name).
@@ -219,8 +307,7 @@ Imf::Header picture_header(int width, int height, const ExrOptions& options) {
   const Imath::Box2i display(V2i(0, 0), frame - V2i(1, 1));
   const Imath::Box2i data(corner, corner + V2i(width - 1, height - 1));
   Imf::Header header(display, data, 1.0f, V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y, Imf::ZIPS_COMPRESSION);
-  // The tag of the Color Interop Forum; chromaticities are left out because Rec.709 is what readers assume.
-  header.insert("colorInteropID", Imf::StringAttribute("lin_rec709_scene"));
+  header.insert("colorInteropID", Imf::StringAttribute(options.color_space));
   insert_metadata(header, options.metadata);
   return header;
 }
@@ -228,6 +315,8 @@ Imf::Header picture_header(int width, int height, const ExrOptions& options) {
 ExrOptions options_of(const Imf::Header& header) {
   ExrOptions options;
   options.metadata = metadata_of(header);
+  if (const auto* space = header.findTypedAttribute<Imf::StringAttribute>("colorInteropID"))
+    options.color_space = space->value();
   options.data_offset = header.dataWindow().min;
   options.display_size = header.displayWindow().max + V2i(1, 1);
   return options;
@@ -238,8 +327,33 @@ void check_is_exr(const fs::path& path) {
   if (!Imf::isOpenExrFile(path.c_str())) throw Error(path.string(), "it is no OpenEXR file", "check the file");
 }
 
+void check_exr(const fs::path& path, const std::vector<std::string>& channels, const ExrOptions& options) {
+  std::set<std::string_view> seen;
+  for (const std::string& name : channels)
+    if (name.empty() || !seen.insert(name).second)
+      throw Error(path.string(),
+                  "the channel name '" + name + "' is " + (name.empty() ? "empty" : "used twice"),
+                  "give every layer its own name");
+  if (options.compression >= ExrCompression::pxr24)
+    for (const std::string& name : channels)
+      if (!is_color(name, options))
+        throw Error(path.string(),
+                    "the compression " +
+                        std::string(name_of_value<ExrCompression>(exr_compression_names, options.compression)) +
+                        " would change the data in channel '" + name + "'",
+                    "use it for colours alone, or none, rle, zips, zip or piz");
+  if (!color_spaces.contains(options.color_space)) {
+    std::vector<std::string_view> names;
+    for (const auto& [name, chromaticities] : color_spaces) names.push_back(name);
+    throw Error(path.string(), "unknown colour space '" + options.color_space + "'",
+                "use one of: " + join_names(names));
+  }
+}
+
 void write_exr(const fs::path& path, const Image& image, const ExrOptions& options) {
-  check_channels(path, image);
+  check_exr(path, image.channels, options);
+  if (image.pixels.empty())
+    throw Error(path.string(), "the picture has no pixels", "render at least one pixel");
   MemoryStream stream;
   try {
     encode(stream, image, options);

@@ -8,12 +8,34 @@
 #include <variant>
 #include <vector>
 
+#include "render/core/names.h"
 #include "render/core/types.h"
 #include "render/image/image.h"
 
 namespace twopass {
 
 enum class PixelType { half, float_ };
+
+/// How pixels are packed. All but the first five lose digits, of colours at least.
+enum class ExrCompression { none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab };
+inline constexpr Named<ExrCompression> exr_compression_names[] = {
+    {"none", ExrCompression::none}, {"rle", ExrCompression::rle},   {"zips", ExrCompression::zips},
+    {"zip", ExrCompression::zip},   {"piz", ExrCompression::piz},   {"pxr24", ExrCompression::pxr24},
+    {"b44", ExrCompression::b44},   {"b44a", ExrCompression::b44a}, {"dwaa", ExrCompression::dwaa},
+    {"dwab", ExrCompression::dwab}};
+
+enum class ExrParts {
+  single,  ///< all layers in one part, which every program reads
+  layer    ///< a part for each layer, called like it; channels keep their full names
+};
+inline constexpr Named<ExrParts> exr_parts_names[] = {{"single", ExrParts::single}, {"layer", ExrParts::layer}};
+
+/// When the chromaticities of the colour space stand beside its name: `automatic`, unless it is Rec.709, which
+/// readers assume.
+enum class ExrChromaticities { automatic, always, never };
+inline constexpr Named<ExrChromaticities> exr_chromaticities_names[] = {{"auto", ExrChromaticities::automatic},
+                                                                        {"always", ExrChromaticities::always},
+                                                                        {"never", ExrChromaticities::never}};
 
 /// Header attributes in order: name such as "twopass/spp", and text or number.
 using ExrMetadata = std::vector<std::pair<std::string, std::variant<std::string, float, int>>>;
@@ -24,16 +46,31 @@ struct ExrOptions {
   PixelType pixel_type = PixelType::half;
   /// Layers whose R, G, B, A are data nevertheless, for example Cryptomatte's.
   std::vector<std::string> float_layers{};
+  /// Layers of whole numbers: stored as such. REQUIRES: values from 0 to 2^24.
+  std::vector<std::string> integer_layers{};
   ExrMetadata metadata{};
+  ExrCompression compression = ExrCompression::zips;
+  ExrParts parts = ExrParts::single;
+  /// Name of the colours' space in "An ID for Color Interop" (Color Interop Forum): the attribute
+  /// colorInteropID.
+  std::string color_space = "lin_rec709_scene";
+  ExrChromaticities chromaticities = ExrChromaticities::automatic;
+  /// Standard attributes of the camera, see render/scene/camera.h.
+  std::optional<M44f> world_to_camera{}, world_to_ndc{};
   /// Where the image lies in the full frame: upper left corner, and the frame's size (default: the image's
   /// own).
   V2i data_offset{0, 0};
   std::optional<V2i> display_size{};
 };
 
-/// Writes one part of scan lines, ZIPS, tagged colorInteropID = lin_rec709_scene. Values that are not finite
+/// For use before rendering: throws Error when pictures of these channels cannot be written so: names that
+/// repeat or are empty, a compression that loses digits for channels that are data, an unknown colour space.
+void check_exr(const std::filesystem::path& path, const std::vector<std::string>& channels,
+               const ExrOptions& options);
+
+/// Writes scan lines. Values that are not finite
 /// become 0 and those beyond the type's range its end (half: +-65504). Atomic. Throws Error on any failure, and
-/// on channel names that repeat or are empty.
+/// as check_exr.
 void write_exr(const std::filesystem::path& path, const Image& image, const ExrOptions& options = {});
 
 /// Width and height of the first part's data window, from the header alone. Throws Error as read_exr.

@@ -12,6 +12,8 @@
 namespace twopass {
 namespace {
 
+// Channels of a Cryptomatte.
+constexpr std::size_t crypto_values = 2 * cryptomatte_levels;
 constexpr std::int64_t most_pixels = std::int64_t{1} << 30;
 
 C3d per_channel_square(const C3d& c) { return {c.x * c.x, c.y * c.y, c.z * c.z}; }
@@ -93,25 +95,43 @@ bool PixelBatch::add(const C3f& radiance, float alpha, float weight) {
   return true;
 }
 
-Film::Film(int width, int height) : width_(width), height_(height) {
+std::vector<std::string> FilmLayout::channels() const {
+  std::vector<std::string> channels{"R", "G", "B", "A"};
+  for (const FilmLayer& layer : layers)
+    for (std::size_t c = 0; c < layer.channels.size(); ++c) channels.push_back(channel_name(layer, c));
+  for (const std::string& name : cryptomattes)
+    for (std::size_t c = 0; c < crypto_values; ++c)
+      channels.push_back(name + "0" + std::to_string(c / 4) + "." + std::string(1, "RGBA"[c % 4]));
+  return channels;
+}
+
+std::size_t FilmLayout::bytes_per_pixel() const {
+  return sizeof(FilmPixel) + FilmLayers::bytes_per_pixel(layers, has_signed_weights) +
+         cryptomattes.size() * sizeof(std::vector<CryptoShare>);
+}
+
+Film::Film(int width, int height, FilmLayout layout)
+    : width_(width), height_(height), layout_(std::move(layout)) {
   if (width < 1 || height < 1 || static_cast<std::int64_t>(width) * height > most_pixels)
     throw Error("picture", "its size is " + std::to_string(width) + "x" + std::to_string(height),
                 "choose a size of at least 1x1 and at most " + std::to_string(most_pixels) + " pixels");
   // The system would promise the memory, and end the program when it is used.
-  const double bytes = bytes_to_render(width, height);
+  const double bytes = bytes_to_render(width, height, layout_);
   if (bytes > memory_limit_bytes())
     throw Error("picture",
                 std::to_string(width) + "x" + std::to_string(height) + " pixels need " +
                     std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) + " GB of memory, there are " +
                     std::to_string(static_cast<int>(memory_limit_bytes() / 1e9)),
-                "choose a smaller size, or render it in parts (--crop)");
+                "choose a smaller size or fewer layers, or render it in parts (--crop)");
   pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  layers_ = FilmLayers(pixels_.size(), layout_.layers, layout_.has_signed_weights);
+  cryptomattes_.assign(layout_.cryptomattes.size(), CryptoFilm(pixels_.size()));
 }
 
-double Film::bytes_to_render(int width, int height) {
+double Film::bytes_to_render(int width, int height, const FilmLayout& layout) {
   // The sums, and what the estimate of noise takes beside them. Writing the picture takes less: its floats twice, its
   // halves twice, 48 bytes.
-  constexpr double each = sizeof(FilmPixel) + sizeof(C3d) + sizeof(Around);
+  const double each = static_cast<double>(layout.bytes_per_pixel() + sizeof(C3d) + sizeof(Around));
   return each * width * height;
 }
 
@@ -126,7 +146,14 @@ void Film::merge(const Film& other) {
                 "the films are " + std::to_string(width_) + "x" + std::to_string(height_) + " and " +
                     std::to_string(other.width_) + "x" + std::to_string(other.height_),
                 "merge parts of the same picture only");
-  for (std::size_t i = 0; i < pixels_.size(); ++i) pixels_[i].merge(other.pixels_[i]);
+  if (other.layers_.raw_names() != layers_.raw_names() || other.layout_.cryptomattes != layout_.cryptomattes)
+    throw Error("merge", "the films have different layers", "merge parts of the same picture only");
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    pixels_[i].merge(other.pixels_[i]);
+    if (!layers_.empty()) layers_.merge(i, other.layers_.raw(i));
+    for (std::size_t k = 0; k < cryptomattes_.size(); ++k)
+      for (const CryptoShare& share : other.cryptomattes_[k].shares(i)) cryptomattes_[k].add(i, share);
+  }
 }
 
 std::uint64_t Film::samples() const {
@@ -139,6 +166,26 @@ Image Film::resolve() const {
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const std::array<float, 4> rgba = pixels_[i].resolved();
     std::copy(rgba.begin(), rgba.end(), &image.pixels[4 * i]);
+  }
+  return image;
+}
+
+Image Film::resolve_all() const {
+  const Image picture = resolve();
+  if (layers_.empty() && cryptomattes_.empty()) return picture;
+  Image image(width_, height_, layout_.channels());
+  const std::size_t stride = image.channels.size();
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const FilmPixel& pixel = pixels_[i];
+    const std::span<float> out = std::span(image.pixels).subspan(stride * i, stride);
+    std::copy_n(&picture.pixels[4 * i], 4, out.begin());
+    PixelTotals totals{pixel.weight, pixel.samples};
+    if (pixel.batches >= 2)
+      totals.variance = pixel.spread / ((pixel.batches - 1.0) * static_cast<double>(pixel.samples));
+    layers_.resolve(i, totals, out.subspan(4));
+    for (std::size_t k = 0; k < cryptomattes_.size(); ++k)
+      cryptomattes_[k].resolve(i, pixel.weight, pixel.samples,
+                               out.subspan(4 + layers_.channel_count() + k * crypto_values, crypto_values));
   }
   return image;
 }

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "render/core/types.h"
+#include "render/image/cryptomatte.h"
+#include "render/image/film_layers.h"
 #include "render/image/image.h"
 
 namespace twopass {
@@ -75,13 +77,26 @@ struct NoiseEstimate {
   [[nodiscard]] double upper_bound() const { return std::sqrt(relmse + 2.0 * standard_error); }
 };
 
+/// What a film keeps beside the picture.
+struct FilmLayout {
+  std::vector<FilmLayer> layers{};
+  std::vector<std::string> cryptomattes{};  ///< names of layers such as "CryptoObject"
+  bool has_signed_weights = false;          ///< the filter has negative lobes
+
+  /// Names of all channels of a resolved film: R, G, B, A and what follows.
+  [[nodiscard]] std::vector<std::string> channels() const;
+  /// Bytes a pixel, but for the things that Cryptomatte finds: 24 and 16 for each that a pixel sees.
+  [[nodiscard]] std::size_t bytes_per_pixel() const;
+};
+
 class Film {
  public:
   /// An empty film. Throws Error unless both sizes are at least 1 and the film has at most 2^30 pixels (32k x 32k), for
   /// which the machine has the memory.
-  Film(int width, int height);
-  /// The memory that it takes to render and to write a picture, however many samples it has.
-  [[nodiscard]] static double bytes_to_render(int width, int height);
+  Film(int width, int height, FilmLayout layout = {});
+  /// The memory that it takes to render and to write a picture, however many samples it has; Cryptomatte's things
+  /// excepted.
+  [[nodiscard]] static double bytes_to_render(int width, int height, const FilmLayout& layout = {});
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -91,13 +106,25 @@ class Film {
   void add_pixel(int x, int y, const PixelBatch& batch) { merge_pixel(x, y, batch.sums()); }
   /// Adds what another film, or a file, holds of a pixel. Same requirements.
   void merge_pixel(int x, int y, const FilmPixel& other) { pixels_[index(x, y)].merge(other); }
-  /// Adds all pixels of a film. Throws Error when the sizes differ.
+  /// Adds all pixels of a film, its layers included. Throws Error when the sizes or the layers differ.
   void merge(const Film& other);
 
   [[nodiscard]] const FilmPixel& pixel(int x, int y) const { return pixels_[index(x, y)]; }
   /// All samples taken so far.
   [[nodiscard]] std::uint64_t samples() const;
 
+  [[nodiscard]] const FilmLayout& layout() const { return layout_; }
+  /// The layers, by number of the pixel, which is row by row from the top.
+  [[nodiscard]] FilmLayers& layers() { return layers_; }
+  [[nodiscard]] const FilmLayers& layers() const { return layers_; }
+  /// In the order of the layout.
+  [[nodiscard]] std::vector<CryptoFilm>& cryptomattes() { return cryptomattes_; }
+  [[nodiscard]] const std::vector<CryptoFilm>& cryptomattes() const { return cryptomattes_; }
+
+  /// The picture with all of its layers: R, G, B, A, the layers' channels in their order, and of each
+  /// Cryptomatte
+  /// "<name>00.R" and so on. Without layers the same as resolve().
+  [[nodiscard]] Image resolve_all() const;
   /// The picture: channels R, G, B, A. Pixels without samples are black with alpha 0.
   [[nodiscard]] Image resolve() const;
 
@@ -112,12 +139,16 @@ class Film {
   [[nodiscard]] std::vector<Around> surroundings() const;
   static constexpr int around_radius = 2;
 
- private:
+  /// The number of a pixel. REQUIRES: 0 <= x < width, 0 <= y < height.
   [[nodiscard]] std::size_t index(int x, int y) const;
 
+ private:
   int width_;
   int height_;
+  FilmLayout layout_;
   std::vector<FilmPixel> pixels_;
+  FilmLayers layers_;
+  std::vector<CryptoFilm> cryptomattes_;
 };
 
 }  // namespace twopass

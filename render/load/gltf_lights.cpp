@@ -75,7 +75,7 @@ class LightReader {
 }  // namespace
 
 std::vector<PunctualLight> read_gltf_lights(const GltfDocument& document, const std::vector<GltfPlace>& places,
-                                            Notes& notes) {
+                                            Notes& notes, std::vector<std::string>& names) {
   LightReader reader(document, notes);
   std::vector<PunctualLight> result;
   for (const GltfPlace& place : places) {
@@ -90,6 +90,7 @@ std::vector<PunctualLight> read_gltf_lights(const GltfDocument& document, const 
     const tinygltf::Light& light =
         element_of(document.model.lights, index.GetNumberAsInt(), "light", "node '" + name + "'", document);
     result.push_back(reader.read(light, place, name));
+    names.push_back(name);
   }
   return result;
 }

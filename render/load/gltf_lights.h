@@ -6,6 +6,7 @@
 // lighting mode is "Unitless".)
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "render/load/gltf_nodes.h"
@@ -14,8 +15,9 @@
 
 namespace twopass {
 
-/// The lights of all places. Throws Error for values that make no light.
+/// The lights of all places; `names` receives the names of their nodes. Throws Error for values that make no
+/// light.
 std::vector<PunctualLight> read_gltf_lights(const GltfDocument& document, const std::vector<GltfPlace>& places,
-                                            Notes& notes);
+                                            Notes& notes, std::vector<std::string>& names);
 
 }  // namespace twopass

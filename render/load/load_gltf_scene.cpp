@@ -212,7 +212,7 @@ LoadedScene load_gltf_scene(const std::filesystem::path& path, const TextureOpti
   const GltfDocument document = read_gltf(path, notes);
   const std::vector<GltfPlace> places = gltf_places(document);
   loaded.scene.camera = read_gltf_camera(document, places, loaded.settings, notes);
-  loaded.scene.punctual_lights = read_gltf_lights(document, places, notes);
+  loaded.scene.punctual_lights = read_gltf_lights(document, places, notes, loaded.scene.punctual_light_groups);
   SceneBuilder(document, textures, loaded, notes).add_meshes(places);
   bool has_skins = false;
   for (const tinygltf::Node& node : document.model.nodes) has_skins |= node.skin >= 0;

@@ -196,9 +196,14 @@ Emitter read_mitsuba_emitter(const XmlNode& node, const MitsubaTree& tree, Mitsu
   const Reader reader = plugin_of_type<Reader>(readers, node);
   Properties p(node, tree);
   Emitter emitter = reader(p, {tree, textures});
-  p.ignore({"sampling_weight"});  // how often a light is chosen does not change what it does
+  p.ignore({"sampling_weight", "light_group"});  // how often a light is chosen does not change what it does
   p.finish();
   return emitter;
+}
+
+std::string light_group_of(const XmlNode& node, const MitsubaTree& tree) {
+  Properties p(node, tree);
+  return p.text("light_group").value_or(p.id_or(""));
 }
 
 Environment read_environment_map(const std::filesystem::path& path, const EnvironmentMapOptions& options) {

@@ -15,6 +15,9 @@ namespace twopass {
 std::variant<PunctualLight, Environment> read_mitsuba_emitter(const XmlNode& node, const MitsubaTree& tree,
                                                               MitsubaTextures& textures);
 
+/// The light group of such an element: its `light_group`, else its id, else "".
+std::string light_group_of(const XmlNode& node, const MitsubaTree& tree);
+
 /// A picture by latitude and longitude as environment. Throws Error.
 Environment read_environment_map(const std::filesystem::path& path, const EnvironmentMapOptions& options);
 

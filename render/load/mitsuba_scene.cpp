@@ -86,6 +86,7 @@ class SceneReader {
     auto emitter = read_mitsuba_emitter(node, tree_, textures_);
     if (auto* light = std::get_if<PunctualLight>(&emitter)) {
       loaded_.scene.punctual_lights.push_back(std::move(*light));
+      loaded_.scene.punctual_light_groups.push_back(light_group_of(node, tree_));
       return;
     }
     if (environment_)
@@ -95,6 +96,8 @@ class SceneReader {
           "give one");
     environment_ = &node;
     loaded_.scene.environment = std::get<Environment>(std::move(emitter));
+    if (const std::string group = light_group_of(node, tree_); !group.empty())
+      loaded_.scene.environment_light_group = group;
   }
 
   void read_shapes() {

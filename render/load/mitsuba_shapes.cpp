@@ -214,7 +214,8 @@ constexpr Named<Reader> readers[] = {
     {"instance", nullptr},
 };
 
-void read_area_emitter(Shape& shape, const XmlNode& node, const MitsubaTree& tree, MitsubaTextures& textures) {
+void read_area_emitter(Shape& shape, const XmlNode& shape_node, const XmlNode& node, const MitsubaTree& tree,
+                       MitsubaTextures& textures) {
   constexpr Named<int> supported[] = {{"area", 0}};
   plugin_of_type<int>(supported, node);
   Properties p(node, tree);
@@ -222,6 +223,9 @@ void read_area_emitter(Shape& shape, const XmlNode& node, const MitsubaTree& tre
   shape.radiance[front] = mean_color(radiance);
   if (!is_constant(radiance)) shape.radiance_texture = std::make_shared<const Texture>(radiance);
   p.ignore({"sampling_weight"});
+  // One without a name belongs to the lights that have none, not to one called like a number.
+  const std::string* id = shape_node.find("id");
+  shape.light_group = p.text("light_group").value_or(p.id_or(id ? *id : ""));
   p.finish();
 }
 
@@ -238,7 +242,7 @@ class ShapeReader {
     const XmlNode* bsdf = properties_.object_of("bsdf");
     shape.name = properties_.id_or(name);
     shape.material = bsdf ? materials.of(*bsdf) : materials.standard(emitter != nullptr);
-    if (emitter) read_area_emitter(shape, *emitter, tree, textures);
+    if (emitter) read_area_emitter(shape, node, *emitter, tree, textures);
     properties_.ignore({"silhouette_sampling_weight"});
   }
 

@@ -64,7 +64,54 @@ double measured_extent(FovAxis axis, double width, double height) {
   return width;
 }
 
+// The side of a pixel: at depth 1 of a perspective camera; of others, in units of its axes.
+double pixel_size(const CameraDescription& camera, double width, double height) {
+  if (camera.projection == Projection::orthographic) return 2.0 / width;
+  return 2.0 * std::tan(0.5 * camera.fov_degrees * pi / 180.0) /
+         measured_extent(camera.fov_axis, width, height);
+}
+
+V3d axis_of(const CameraDescription& camera, int i) {
+  return {camera.to_world[i][0], camera.to_world[i][1], camera.to_world[i][2]};
+}
+
 }  // namespace
+
+M44d world_to_camera(const CameraDescription& camera) {
+  M44d to_world;
+  for (int i = 0; i < 3; ++i) {
+    const V3d axis = axis_of(camera, i).normalized() * (i == 0 ? -1.0 : 1.0);
+    for (int k = 0; k < 3; ++k) to_world[i][k] = axis[k];
+  }
+  for (int k = 0; k < 3; ++k) to_world[3][k] = camera.to_world[3][k];
+  return to_world.inverse();
+}
+
+M44d world_to_ndc(const CameraDescription& camera, int width, int height) {
+  const bool is_perspective = camera.projection == Projection::perspective;
+  const double pixel = pixel_size(camera, width, height);
+  const double w = pixel * width * (is_perspective ? 1.0 : axis_of(camera, 0).length());
+  const double h = pixel * height * (is_perspective ? 1.0 : axis_of(camera, 1).length());
+  // What is multiplied by the depth, which perspective divides by, and what is not.
+  const int shift = is_perspective ? 2 : 3;
+  M44d m;
+  m[0][0] = 1.0 / w;
+  m[1][1] = -1.0 / h;
+  m[shift][0] = 0.5 - camera.principal_point_offset.x;
+  m[shift][1] = 0.5 - camera.principal_point_offset.y;
+  // Depths from the near to the far clipping plane become 0 to 1, where there are such.
+  const double near = is_perspective && camera.near_clip == 0.0 ? 1.0 : camera.near_clip;
+  const double range = camera.far_clip - near, far = camera.far_clip;
+  if (is_perspective) {
+    m[2][2] = std::isfinite(range) && range > 0.0 ? far / range : 1.0;
+    m[2][3] = 1.0;
+    m[3][3] = 0.0;
+  } else if (std::isfinite(range) && range > 0.0) {
+    m[2][2] = 1.0 / range;
+  }
+  m[3][2] = -near * m[2][2];
+  return world_to_camera(camera) * m;
+}
 
 Camera::Camera(const CameraDescription& description, int width, int height)
     : width_(width),
@@ -74,13 +121,8 @@ Camera::Camera(const CameraDescription& description, int width, int height)
       focus_distance_(static_cast<float>(description.focus_distance)),
       near_clip_(static_cast<float>(description.near_clip)),
       clip_range_(static_cast<float>(description.far_clip - description.near_clip)) {
-  const auto row = [&](int i) {
-    return V3d(description.to_world[i][0], description.to_world[i][1], description.to_world[i][2]);
-  };
-  const double w = width, h = height;
-  const double pixel = is_perspective_ ? 2.0 * std::tan(0.5 * description.fov_degrees * pi / 180.0) /
-                                             measured_extent(description.fov_axis, w, h)
-                                       : 2.0 / w;
+  const auto row = [&](int i) { return axis_of(description, i); };
+  const double w = width, h = height, pixel = pixel_size(description, w, h);
   // Camera space has +x to the left and +y up; pixels run right and down.
   const V3d dx = row(0) * -pixel, dy = row(1) * -pixel;
   const V2d& shift = description.principal_point_offset;

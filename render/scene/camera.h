@@ -56,6 +56,13 @@ enum class FramingView {
 /// A perspective camera that sees the whole of `bounds` in a picture of any proportions, up +y.
 CameraDescription framing_camera(const Box3f& bounds, FramingView view = FramingView::three_quarter);
 
+/// OpenEXR's worldToCamera, for row vectors: x to the right of the picture, y up, z forward; left-handed, of
+/// the scale of the world.
+M44d world_to_camera(const CameraDescription& camera);
+/// OpenEXR's worldToNDC, for row vectors, to be divided by w: (0, 0) is the upper left corner of a picture of
+/// this size, (1, 1) its lower right one.
+M44d world_to_ndc(const CameraDescription& camera, int width, int height);
+
 /// What a camera sees of the scene at one point of the picture.
 struct CameraRay {
   Ray ray;      ///< from the near clipping plane on; direction of unit length

@@ -136,7 +136,7 @@ void Lights::add_surface(std::uint32_t s, Kind kind, const LightBounds& surface,
   const bool shines = surface.power > 0.0f;
   entry_of_.push_back(shines ? static_cast<std::uint32_t>(entries_.size()) : no_index);
   if (!shines) return;
-  entries_.push_back({s, kind});
+  entries_.push_back({s, s, kind});
   bounds.push_back(surface);
 }
 
@@ -162,7 +162,7 @@ void Lights::add_shape(std::uint32_t s, std::vector<LightBounds>& bounds) {
     if (!(polygon_bounds.power > 0.0f)) continue;
     for (int i = 0; i + 2 < polygon.corners; ++i)
       entry_of_[first_[s] + polygon.triangles[i]] = static_cast<std::uint32_t>(entries_.size());
-    entries_.push_back({s, polygon});
+    entries_.push_back({s, s, polygon});
     bounds.push_back(polygon_bounds);
   }
 }
@@ -174,7 +174,7 @@ void Lights::add_punctual(std::uint32_t index, std::vector<LightBounds>& bounds,
     LightBounds all_around;
     all_around.box = Box3f(*place);
     all_around.power = static_cast<float>(emitted);
-    entries_.push_back({no_index, Punctual{index}});
+    entries_.push_back({no_index, punctual_number(index), Punctual{index}});
     bounds.push_back(all_around);
   } else {
     distant_.push_back(index);
@@ -226,6 +226,7 @@ LightSample Lights::sample(const Receiver& receiver, const V2f& u) const {
   const auto draw = [&](const auto& kind) {
     LightSample drawn = sample_of(entry, kind, receiver, v);
     drawn.pdf_w *= choice.probability * (1.0f - distant_share_);
+    drawn.light = entry.number;
     return drawn;
   };
   // Most lights are polygons: no jump through a table for them.
@@ -321,11 +322,16 @@ LightSample Lights::sample_distant(const Receiver& receiver, const V2f& u) const
   if (distant_[choice.index] != no_index) {
     LightSample drawn = sample_punctual(distant_[choice.index], receiver);
     drawn.pdf_w *= choice.probability * distant_share_;
+    drawn.light = punctual_number(distant_[choice.index]);
     return drawn;
   }
   const EnvironmentSample drawn = environment_->sample({choice.remapped, u.y});
-  return {far_away(receiver, drawn.direction), drawn.direction, drawn.radiance,
-          drawn.pdf_w * choice.probability * distant_share_, false};
+  return {far_away(receiver, drawn.direction),
+          drawn.direction,
+          drawn.radiance,
+          drawn.pdf_w * choice.probability * distant_share_,
+          false,
+          environment_number()};
 }
 
 // A point outside of everything, not further than need be.

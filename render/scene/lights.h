@@ -23,10 +23,14 @@ struct LightSample {
   float pdf_w;    ///< density of the direction in solid angle at the receiver, of a delta light the
                   ///< probability of having chosen it; 0: nothing to be had
   bool is_delta;  ///< a punctual light: no ray meets it, so its weight is 1
+  std::uint32_t light = 0;  ///< its number, see Lights; not set where there is nothing to be had
 };
 
 /// Emitting polygons, spheres, disks and cylinders, punctual lights and the environment. What is at a finite
 /// place is chosen by a tree (L7), what is infinitely far away takes a fixed share (L8). Const and thread-safe.
+///
+/// Lights have numbers: emitting shapes those of the shapes, from 0; then punctual lights, in their order; then
+/// the environment.
 class Lights {
  public:
   /// `bounds` hold everything that can receive light. REQUIRES: all arguments outlive the lights.
@@ -39,6 +43,10 @@ class Lights {
   /// Number of lights that are chosen among: polygons (light_polygons()), analytic surfaces, punctual lights
   /// and the environment.
   [[nodiscard]] std::size_t count() const { return entries_.size() + distant_.size(); }
+  /// The number of the environment.
+  [[nodiscard]] std::uint32_t environment_number() const {
+    return static_cast<std::uint32_t>(shapes_.size() + punctual_.size());
+  }
   /// REQUIRES: !empty(), u in [0, 1)^2.
   [[nodiscard]] LightSample sample(const Receiver& receiver, const V2f& u) const;
   /// The density with which sample() draws the direction of `point`, seen from the receiver at `distance`. 0
@@ -57,9 +65,13 @@ class Lights {
     std::uint32_t index;
   };
   struct Entry {
-    std::uint32_t shape;
+    std::uint32_t shape;   // no_index of punctual lights
+    std::uint32_t number;  // of the light
     std::variant<LightPolygon, SphereLight, DiskLight, CylinderLight, Punctual> kind;
   };
+  [[nodiscard]] std::uint32_t punctual_number(std::uint32_t index) const {
+    return static_cast<std::uint32_t>(shapes_.size()) + index;
+  }
   static const Environment& no_environment();
   void add_shape(std::uint32_t s, std::vector<LightBounds>& bounds);
   template <class Kind>

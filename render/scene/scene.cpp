@@ -178,34 +178,40 @@ Scene::Scene(SceneDescription description)
   find_faces();
 }
 
-void Scene::add_parametrization(SurfacePoint& point, const V3f& normal) const {
+Parametrization Scene::parametrization_at(const SurfacePoint& point, const V3f& normal) const {
   const Surface& surface = surfaces_[point.shape];
   const Shape& shape = description_.shapes[point.shape];
-  Parametrization p;
   if (surface.is_mesh && surface.uvs) {
     const V3u& index = surface.triangles[point.primitive];
     const V3f* positions = surface.positions;
-    p = parametrization({positions[index.x], positions[index.y], positions[index.z]},
-                        {surface.uvs[index.x], surface.uvs[index.y], surface.uvs[index.z]}, {point.u, point.v},
-                        normal);
-  } else if (surface.is_mesh) {
-    p = any_parametrization({point.u, point.v}, normal);
-  } else if (const auto* instance = std::get_if<MeshInstance>(&shape.geometry)) {
+    return parametrization({positions[index.x], positions[index.y], positions[index.z]},
+                           {surface.uvs[index.x], surface.uvs[index.y], surface.uvs[index.z]}, {point.u, point.v},
+                           normal);
+  }
+  if (surface.is_mesh) return any_parametrization({point.u, point.v}, normal);
+  if (const auto* instance = std::get_if<MeshInstance>(&shape.geometry)) {
     const Face& face = surface.faces[point.primitive];
-    p = parametrization(*instance->mesh, point.primitive, {point.u, point.v}, face.normal);
+    Parametrization p = parametrization(*instance->mesh, point.primitive, {point.u, point.v}, face.normal);
     p.dp_du = instance->to_world.vector(p.dp_du);
     p.dp_dv = instance->to_world.vector(p.dp_dv);
-  } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    p = parametrization(*sphere, normal);
-  } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
-    p = parametrization(*disk, point.position);
-  } else {
-    p = parametrization(std::get<Cylinder>(shape.geometry), point.position);
+    return p;
   }
+  if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) return parametrization(*sphere, normal);
+  if (const auto* disk = std::get_if<Disk>(&shape.geometry)) return parametrization(*disk, point.position);
+  return parametrization(std::get<Cylinder>(shape.geometry), point.position);
+}
+
+V2f Scene::texture_coordinates(const SurfacePoint& point) const {
+  const V3f& normal = point.geometric_normal;
+  return parametrization_at(point, point.side == front ? normal : -normal).uv;
+}
+
+void Scene::add_parametrization(SurfacePoint& point, const V3f& normal) const {
+  const Parametrization p = parametrization_at(point, normal);
   point.uv = p.uv;
   point.dp_du = p.dp_du;
   point.dp_dv = p.dp_dv;
-  if (!surface.needs_tangents[point.side]) return;
+  if (!surfaces_[point.shape].needs_tangents[point.side]) return;
   const V3f& n = point.shading.n;
   const V3f s = p.dp_du - n * n.dot(p.dp_du);
   if (!(s.dot(s) > 0.0f) || !is_finite(s)) return;  // seen along the tangent: any frame will do

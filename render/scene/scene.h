@@ -14,6 +14,8 @@
 
 namespace twopass {
 
+struct Parametrization;
+
 /// Plain data, as loaders leave it: every index in range, every number finite.
 struct SceneDescription {
   std::vector<Shape> shapes;
@@ -21,6 +23,9 @@ struct SceneDescription {
   std::optional<CameraDescription> camera;
   std::vector<PunctualLight> punctual_lights;
   Environment environment;  ///< what is seen in directions in which nothing is hit
+  /// Light groups of punctual lights, in their order; "" and missing ones are "default".
+  std::vector<std::string> punctual_light_groups{};
+  std::string environment_light_group = "environment";
 };
 
 /// The smallest box around all shapes; empty without any.
@@ -59,6 +64,8 @@ class Scene {
     resolve_at(material, point, direction, material.traits().needs_choice ? choose() : 0.0f, storage);
     return storage;
   }
+  /// Texture coordinates of a point, whether its material looks at them or not.
+  [[nodiscard]] V2f texture_coordinates(const SurfacePoint& point) const;
   /// Radiance that the point emits towards the viewer, W/(m2 sr).
   [[nodiscard]] C3f emitted_radiance(const SurfacePoint& point) const {
     if (!surfaces_[point.shape].emits[point.side]) return C3f(0.0f);
@@ -110,6 +117,8 @@ class Scene {
   }
   static void resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u,
                          Bsdf& bsdf);
+  // `normal`: of the front.
+  [[nodiscard]] Parametrization parametrization_at(const SurfacePoint& point, const V3f& normal) const;
   // Texture coordinates, tangents and a frame along them. `normal` is that of the front.
   void add_parametrization(SurfacePoint& point, const V3f& normal) const;
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -86,6 +87,7 @@ struct Shape {
   std::array<C3f, 2> radiance{C3f(0.0f), C3f(0.0f)};  ///< emitted by the front and the back, W/(m2 sr)
   /// What the front emits where that varies: then radiance[front] is its mean.
   std::shared_ptr<const Texture> radiance_texture{};
+  std::optional<std::string> light_group{};  ///< of its light; "": "default"; unset: called like the shape
 };
 
 inline bool is_emitter(const Shape& shape) {

@@ -159,5 +159,49 @@ TEST(Camera, FramingCameraSeesAllCorners) {
   EXPECT_NO_THROW(framing_camera(Box3f()));
 }
 
+// Points along camera rays are where OpenEXR's matrices say: for row vectors, y down in NDC, left-handed in the
+// camera.
+TEST(Camera, MatricesOfOpenExrProjectPointsToTheirPixels) {
+  CameraDescription shifted = looking_along_z(50, FovAxis::y);
+  shifted.to_world = look_at({1, 2, 3}, {4, -1, 2}, {0.2, 1, 0.1}, "test");
+  shifted.principal_point_offset = {0.1, -0.2};
+  CameraDescription clipped = shifted;
+  clipped.near_clip = 0.5;
+  clipped.far_clip = 50.0;
+  CameraDescription parallel = clipped;
+  parallel.projection = Projection::orthographic;
+  for (int k = 0; k < 3; ++k) {
+    parallel.to_world[0][k] *= 3.0;
+    parallel.to_world[1][k] *= 3.0;
+  }
+  for (const CameraDescription& description : {shifted, clipped, parallel}) {
+    constexpr int width = 64, height = 48;
+    const Camera camera(description, width, height);
+    const M44d to_camera = world_to_camera(description), to_ndc = world_to_ndc(description, width, height);
+    for (const V2f& pixel : {V2f(0, 0), V2f(64, 48), V2f(10, 30), V2f(-5, 60)})
+      for (const float distance : {1.0f, 7.0f}) {
+        const Ray ray = camera.ray(pixel).ray;
+        V3d ndc, at;
+        const V3d point(ray.origin + ray.direction * distance);
+        to_ndc.multVecMatrix(point, ndc);
+        EXPECT_NEAR(ndc.x, pixel.x / width, 1e-5);
+        EXPECT_NEAR(ndc.y, pixel.y / height, 1e-5);
+        to_camera.multVecMatrix(point, at);
+        EXPECT_GT(at.z, 0.0);
+        // To the right of the axis is x > 0, above it y > 0.
+        if (pixel == V2f(64, 48)) EXPECT_TRUE(at.x > 0.0 && at.y < 0.0);
+      }
+    V3d origin;
+    to_camera.multVecMatrix(V3d(1, 2, 3), origin);
+    EXPECT_NEAR(origin.length(), 0.0, 1e-12);
+    EXPECT_NEAR(to_camera.determinant(), -1.0, 1e-12) << "left-handed, and of the world's scale";
+  }
+  V3d near, far;
+  world_to_ndc(clipped, 64, 48).multVecMatrix(V3d(1, 2, 3) + V3d(3, -3, -1).normalized() * 0.5, near);
+  world_to_ndc(clipped, 64, 48).multVecMatrix(V3d(1, 2, 3) + V3d(3, -3, -1).normalized() * 50.0, far);
+  EXPECT_NEAR(near.z, 0.0, 1e-9);
+  EXPECT_NEAR(far.z, 1.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace twopass
