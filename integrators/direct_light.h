@@ -15,8 +15,8 @@ inline float power_heuristic(float own, float other) {
 
 /// A light sample that waits for its shadow ray.
 struct Connection {
-  Segment segment;  ///< from the surface to the light, clear of both
-  C3f radiance;     ///< what the light adds if nothing is in between; black: no ray is needed
+  Segment segment;      ///< from the surface to the light, clear of both
+  C3f radiance;         ///< what the light adds if nothing is in between; black: no ray is needed
   std::uint32_t light;  ///< its number
 };
 

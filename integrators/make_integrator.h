@@ -18,7 +18,9 @@ inline constexpr Named<IntegratorKind> integrator_names[] = {
 };
 
 /// Whether the integrator draws directions from a guide.
-inline bool is_guided(IntegratorKind kind) { return kind == IntegratorKind::unbiased || kind == IntegratorKind::two_pass; }
+inline bool is_guided(IntegratorKind kind) {
+  return kind == IntegratorKind::unbiased || kind == IntegratorKind::two_pass;
+}
 
 /// Whether the integrator reads a radiosity solution.
 inline bool reads_solution(IntegratorKind kind) {

@@ -31,7 +31,11 @@ class TwoPass final : public Integrator {
   /// Where the radiosity pass was skipped every vertex is evaluated. REQUIRES: the scene outlives the
   /// integrator; the solution holds no more bounces than the limits allow.
   TwoPass(const Scene& scene, const PassOne& pass_one, const PathLimits& limits)
-      : scene_(scene), solution_(pass_one.solution), field_(pass_one.field), guide_(pass_one.guide), limits_(limits) {}
+      : scene_(scene),
+        solution_(pass_one.solution),
+        field_(pass_one.field),
+        guide_(pass_one.guide),
+        limits_(limits) {}
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:

@@ -177,7 +177,8 @@ class Vertex {
     return has_settled_ || !is_long() || survives();
   }
 
-  /// Has leave() draw from a guide, with the probability that suits the surface (I11); an empty one: not at all.
+  /// Has leave() draw from a guide, with the probability that suits the surface (I11); an empty one: not at
+  /// all.
   void guide_by(const Guide::Lobe& guide) {
     guide_ = guide;
     share_ = share_of(guide);

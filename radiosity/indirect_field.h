@@ -74,8 +74,9 @@ class IndirectField {
   }
 
   const ElementMesh* mesh_;
-  std::vector<Corners> value_, direct_;  // by face, at its corners: all that is known, and of that the lamps' part
-  std::vector<Known> known_;               // by face: elements that are cells
+  std::vector<Corners> value_,
+      direct_;                // by face, at its corners: all that is known, and of that the lamps' part
+  std::vector<Known> known_;  // by face: elements that are cells
   std::array<double, 4> share_{};
   std::uint64_t rays_ = 0;
 };

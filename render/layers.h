@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "integrators/integrator.h"
 #include "integrators/sample_layers.h"
 #include "radiosity/solution.h"
 #include "render/image/film.h"

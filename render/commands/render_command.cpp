@@ -153,8 +153,7 @@ Solution load_fitting_solution(const Scene& scene, const std::string& file, int 
 PreparedPassOne run_pass_one(const Scene& scene, const RenderOptions& options, const Settings& settings,
                              const Plan& plan, const RadiosityOptions& radiosity, const Console& console,
                              RenderStatistics& statistics) {
-  PassOneJob job{
-      .scene = scene, .plan = plan, .integrator = settings.integrator, .radiosity = radiosity};
+  PassOneJob job{.scene = scene, .plan = plan, .integrator = settings.integrator, .radiosity = radiosity};
   Elapsed load_time;
   if (!plan.radiosity_pass) {
     for (const Skipped& skipped : plan.skipped)
@@ -302,8 +301,8 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
 std::string progress_text(const RenderProgress& at) {
   char noise[32] = "", text[160];
   if (std::isfinite(at.error)) std::snprintf(noise, sizeof noise, ", noise %.2g", at.error);
-  std::snprintf(text, sizeof text, "pass %d, %.4g spp%s, %.3g Mrays/s", at.pass,
-                at.samples_per_pixel, noise, 1e-6 * at.rays_per_second);
+  std::snprintf(text, sizeof text, "pass %d, %.4g spp%s, %.3g Mrays/s", at.pass, at.samples_per_pixel, noise,
+                1e-6 * at.rays_per_second);
   return text;
 }
 

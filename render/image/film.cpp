@@ -129,8 +129,8 @@ Film::Film(int width, int height, FilmLayout layout)
 }
 
 double Film::bytes_to_render(int width, int height, const FilmLayout& layout) {
-  // The sums, and what the estimate of noise takes beside them. Writing the picture takes less: its floats twice, its
-  // halves twice, 48 bytes.
+  // The sums, and what the estimate of noise takes beside them. Writing the picture takes less: its floats
+  // twice, its halves twice, 48 bytes.
   const double each = static_cast<double>(layout.bytes_per_pixel() + sizeof(C3d) + sizeof(Around));
   return each * width * height;
 }

@@ -185,8 +185,8 @@ Parametrization Scene::parametrization_at(const SurfacePoint& point, const V3f& 
     const V3u& index = surface.triangles[point.primitive];
     const V3f* positions = surface.positions;
     return parametrization({positions[index.x], positions[index.y], positions[index.z]},
-                           {surface.uvs[index.x], surface.uvs[index.y], surface.uvs[index.z]}, {point.u, point.v},
-                           normal);
+                           {surface.uvs[index.x], surface.uvs[index.y], surface.uvs[index.z]},
+                           {point.u, point.v}, normal);
   }
   if (surface.is_mesh) return any_parametrization({point.u, point.v}, normal);
   if (const auto* instance = std::get_if<MeshInstance>(&shape.geometry)) {
