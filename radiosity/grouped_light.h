@@ -17,7 +17,7 @@ enum class LookUp : std::uint8_t {
   lamps     ///< that light
 };
 
-/// A solution for each light group, on the elements of the solution of all lights (R44). Light is linear, so
+/// A solution for each light group, on the elements of the solution of all lights (R45). Light is linear, so
 /// that they add up to it, within the errors of the solvers; what is divided by them adds up exactly. Const and
 /// thread-safe once built.
 class GroupedLight {

@@ -58,7 +58,7 @@ struct Setup {
   }
   [[nodiscard]] std::unique_ptr<Integrator> integrator(IntegratorKind kind,
                                                        const PathLimits& limits = {}) const {
-    return make_integrator(kind, scene, &solution, &field, limits, &guide);
+    return make_integrator(kind, scene, {&solution, &field, &guide}, limits);
   }
   static std::vector<PathSample> rays(std::uint32_t count, std::uint32_t seed) {
     std::vector<PathSample> samples;
@@ -196,7 +196,7 @@ TEST(Layers, LightGroupsAreThePicturesOfTheirLights) {
       const Scene lit(setup.groups.lit_by(setup.scene.description(), g));
       std::vector<PathSample> alone = Setup::rays(count, 2);
       RayCounts counts;
-      make_integrator(IntegratorKind::path, lit, nullptr, {})->trace(alone, counts);
+      make_integrator(IntegratorKind::path, lit, {}, {})->trace(alone, counts);
       for (int c = 0; c < 3; ++c) {
         test::Estimate of_group, truth;
         for (std::size_t i = 0; i < count; ++i) {
@@ -227,7 +227,7 @@ TEST(Layers, DiffuseAndSpecularPartsAreThoseOfTheModelWithoutTheOther) {
     std::vector<SampleLayers> layers(samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i) samples[i].layers = &layers[i];
     RayCounts counts;
-    make_integrator(IntegratorKind::path, scene, nullptr, {})->trace(samples, counts);
+    make_integrator(IntegratorKind::path, scene, {}, {})->trace(samples, counts);
     std::array<test::Estimate, light_class_count> result;
     for (const SampleLayers& l : layers)
       for (std::size_t k = 0; k < light_class_count; ++k) result[k].add(l.light[k].x);
@@ -256,7 +256,7 @@ TEST(Layers, FirstSurfaceHasItsDataAndHolesAreNone) {
   SampleLayers layers;
   sample.layers = &layers;
   RayCounts counts;
-  make_integrator(IntegratorKind::path, scene, nullptr, {})->trace({&sample, 1}, counts);
+  make_integrator(IntegratorKind::path, scene, {}, {})->trace({&sample, 1}, counts);
   ASSERT_TRUE(layers.first.is_there);
   EXPECT_NEAR((layers.first.point.position - V3f(0.5f, 1.0f, 0.5f)).length(), 0.0f, 1e-6f);
   EXPECT_NEAR(layers.first.distance, 0.9f, 1e-6f);
@@ -267,7 +267,7 @@ TEST(Layers, FirstSurfaceHasItsDataAndHolesAreNone) {
   sample.ray.origin = V3f(0.5f, 0.1f, 5.0f);
   sample.ray.direction = V3f(0, 0, 1);
   sample.layers = &layers;
-  make_integrator(IntegratorKind::path, scene, nullptr, {})->trace({&sample, 1}, counts);
+  make_integrator(IntegratorKind::path, scene, {}, {})->trace({&sample, 1}, counts);
   EXPECT_FALSE(layers.first.is_there) << "of an earlier sample";
 }
 
@@ -277,7 +277,7 @@ TEST(Layers, BackgroundAndTransmission) {
   description.materials.back() = material_of("pane", Bsdf(ThinDielectric{}));
   description.environment = Environment(C3f(2.0f));
   const Scene scene(std::move(description));
-  const std::unique_ptr<Integrator> path = make_integrator(IntegratorKind::path, scene, nullptr, {});
+  const std::unique_ptr<Integrator> path = make_integrator(IntegratorKind::path, scene, {}, {});
   test::Estimate transmitted, reflected;
   RayCounts counts;
   for (std::uint32_t i = 0; i < 4000; ++i) {
