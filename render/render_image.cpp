@@ -1,6 +1,7 @@
 #include "render/render_image.h"
 
 #include <atomic>
+#include <limits>
 #include <vector>
 
 #include "render/core/interrupt.h"
@@ -13,8 +14,28 @@ namespace {
 
 constexpr int tile_size = 16;
 
+// Samples that were not finite: how many, and the first of them: its pixel's number in the film << 32 | its
+// own.
+struct NonFinite {
+  static constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t count = 0, first = none;
+
+  void add(std::size_t pixel, std::uint32_t sample) {
+    ++count;
+    first = std::min(first, std::uint64_t{pixel} << 32 | sample);
+  }
+};
+
 struct Tally {
-  std::atomic<std::uint64_t> rays{0}, shadow_rays{0}, escaped_rays{0}, non_finite{0};
+  std::atomic<std::uint64_t> rays{0}, shadow_rays{0}, escaped_rays{0}, non_finite{0},
+      first_non_finite{NonFinite::none};
+
+  void add(const NonFinite& more) {
+    non_finite += more.count;
+    std::uint64_t first = first_non_finite;
+    while (more.first < first && !first_non_finite.compare_exchange_weak(first, more.first)) {
+    }
+  }
 };
 
 // The samples of a few pixels, traced together.
@@ -30,7 +51,7 @@ class PixelGroup {
     const std::uint32_t stream = stream_of(pixel);
     const auto strata =
         job_.all_samples > 0 ? job_.all_samples : static_cast<std::uint32_t>(job_.goal.samples_per_pixel);
-    pixels_.push_back({x, y, range.end - range.begin});
+    pixels_.push_back({x, y, range});
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       Sampler sampler(job_.seed, stream, job_.first_sample + i, job_.sampler, strata);
       // The filter is sampled instead of splatted, so that a sample lands in one pixel (Ernst et al. 2006).
@@ -47,16 +68,16 @@ class PixelGroup {
   }
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
 
-  /// Traces all of them into the film and starts anew. The number of samples that were not finite.
-  std::uint64_t finish(RayCounts& counts) {
+  /// Traces all of them into the film and starts anew.
+  void finish(RayCounts& counts, NonFinite& non_finite) {
     if (layers_) layers_->prepare(samples_);
     job_.integrator.trace(samples_, counts);
-    std::uint64_t non_finite = 0;
     std::size_t next = 0;
     for (const Pixel& pixel : pixels_) {
       PixelBatch batch;
-      for (const std::size_t end = next + pixel.samples; next < end; ++next) {
-        if (!batch.add(samples_[next].seen.radiance, samples_[next].seen.alpha, weights_[next])) ++non_finite;
+      for (std::uint32_t i = pixel.range.begin; i < pixel.range.end; ++i, ++next) {
+        if (!batch.add(samples_[next].seen.radiance, samples_[next].seen.alpha, weights_[next]))
+          non_finite.add(film_.index(pixel.x, pixel.y), job_.first_sample + i);
         if (layers_)
           layers_->add(next, samples_[next], weights_[next], distances2_[next], film_,
                        film_.index(pixel.x, pixel.y));
@@ -67,7 +88,6 @@ class PixelGroup {
     samples_.clear();
     weights_.clear();
     distances2_.clear();
-    return non_finite;
   }
 
  private:
@@ -81,7 +101,7 @@ class PixelGroup {
   }
   struct Pixel {
     int x, y;
-    std::uint32_t samples;
+    SampleRange range;
   };
   const RenderJob& job_;
   Film& film_;
@@ -96,20 +116,20 @@ void render_tile(const RenderJob& job, Film& film, int tile, const SamplePlan& p
   const int tiles_x = (film.width() + tile_size - 1) / tile_size;
   const int x0 = tile % tiles_x * tile_size, y0 = tile / tiles_x * tile_size;
   RayCounts counts;
-  std::uint64_t non_finite = 0;
+  NonFinite non_finite;
   PixelGroup group(job, film);
   for (int y = y0; y < std::min(y0 + tile_size, film.height()); ++y)
     for (int x = x0; x < std::min(x0 + tile_size, film.width()); ++x) {
       const SampleRange range = plan.range(x, y);
       if (range.begin >= range.end) continue;
       group.add(x, y, range);
-      if (group.size() >= bundle_size) non_finite += group.finish(counts);
+      if (group.size() >= bundle_size) group.finish(counts, non_finite);
     }
-  non_finite += group.finish(counts);
+  group.finish(counts, non_finite);
   tally.rays += counts.rays;
   tally.shadow_rays += counts.shadow_rays;
   tally.escaped_rays += counts.escaped_rays;
-  tally.non_finite += non_finite;
+  tally.add(non_finite);
   if (job.tile_done)
     job.tile_done({x0, y0}, {std::min(tile_size, film.width() - x0), std::min(tile_size, film.height() - y0)});
 }
@@ -179,6 +199,7 @@ class ImageRender {
     const RenderCosts all = costs();
     return {.counts = all.counts,
             .non_finite_samples = all.non_finite_samples,
+            .first_non_finite = first_non_finite(),
             .stop_reason = reason,
             .pixels_stopped_early = share_stopped_early(film_),
             .plan = plan_.state(in_pass_)};
@@ -245,6 +266,15 @@ class ImageRender {
 
   [[nodiscard]] RenderCosts costs() const {
     return {{tally_.rays, tally_.shadow_rays, tally_.escaped_rays}, tally_.non_finite};
+  }
+
+  [[nodiscard]] std::optional<SamplePlace> first_non_finite() const {
+    const std::uint64_t first = tally_.first_non_finite;
+    if (first == NonFinite::none) return std::nullopt;
+    const auto pixel = static_cast<std::uint32_t>(first >> 32),
+               width = static_cast<std::uint32_t>(film_.width());
+    return SamplePlace{job_.corner + V2i(static_cast<int>(pixel % width), static_cast<int>(pixel / width)),
+                       static_cast<std::uint32_t>(first)};
   }
 
   const RenderJob& job_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "integrators/integrator.h"
@@ -54,9 +55,18 @@ struct RenderJob {
   const Layers* layers = nullptr;  ///< what the film's layers hold; null where it has none
 };
 
+/// One sample of a picture: what to look at again with the same seed.
+struct SamplePlace {
+  V2i pixel;             ///< of the camera's picture
+  std::uint32_t sample;  ///< of the pixel
+};
+
 struct RenderOutcome {
   RayCounts counts;  ///< with those of the resumed render, as all here
   std::uint64_t non_finite_samples = 0;
+  /// The first of them by row, column and sample, of those taken by this run; the same on any number of
+  /// threads.
+  std::optional<SamplePlace> first_non_finite{};
   std::string stop_reason;            ///< "samples", "time", "noise" or "interrupted"
   double pixels_stopped_early = 0.0;  ///< share of the pixels with fewer samples than the mean of all
   PlanState plan{};                   ///< where it stopped

@@ -40,6 +40,11 @@ ordered_json bias_json(const std::optional<Certificate>& bias) {
           {"rays", bias->counts.rays + bias->counts.shadow_rays}};
 }
 
+ordered_json place_json(const std::optional<SamplePlace>& place) {
+  if (!place) return nullptr;
+  return {{"pixel", {place->pixel.x, place->pixel.y}}, {"sample", place->sample}};
+}
+
 ordered_json render_json(const RenderStatistics& s) {
   if (!s.is_render) return nullptr;
   const double pixels = static_cast<double>(s.width) * s.height;
@@ -52,6 +57,7 @@ ordered_json render_json(const RenderStatistics& s) {
           {"shadow_rays", s.outcome.counts.shadow_rays},
           {"escaped_rays", s.outcome.counts.escaped_rays},
           {"non_finite_samples", s.outcome.non_finite_samples},
+          {"first_non_finite", place_json(s.outcome.first_non_finite)},
           {"relative_error", number_or_null(s.relative_error)},
           {"relative_error_bound", number_or_null(s.relative_error_bound)},
           {"stop_reason", s.outcome.stop_reason},

@@ -292,9 +292,13 @@ void report(const RenderOptions& options, const RenderStatistics& s, const Conso
     console.note(s.scene_file + ": " + std::to_string(s.outcome.counts.escaped_rays) + " of " +
                  std::to_string(s.outcome.counts.rays) +
                  " rays left the scene: there are cracks between its surfaces, or openings as small");
-  if (s.outcome.non_finite_samples > 0)
-    std::printf("%llu samples were not finite and counted as black\n",
+  if (s.outcome.non_finite_samples > 0) {
+    std::printf("%llu samples were not finite and counted as black",
                 static_cast<unsigned long long>(s.outcome.non_finite_samples));
+    if (const std::optional<SamplePlace>& place = s.outcome.first_non_finite)
+      std::printf("; the first: sample %u of pixel %d,%d", place->sample, place->pixel.x, place->pixel.y);
+    std::printf("\n");
+  }
 }
 
 // "pass 3, 24 spp, noise 0.034, 5.1 Mrays/s"

@@ -318,6 +318,40 @@ TEST(RenderImage, NonFiniteSamplesAreCountedAndBlack) {
   EXPECT_EQ(outcome.non_finite_samples, 16u * 16u * 16u);  // a stratified quarter
   for (const float v : film.resolve().pixels) EXPECT_TRUE(std::isfinite(v));
   EXPECT_NEAR(film.pixel(3, 3).mean().x, 0.75, 1e-6);
+  ASSERT_TRUE(outcome.first_non_finite);
+  EXPECT_EQ(outcome.first_non_finite->pixel, V2i(0, 0));
+  EXPECT_FALSE(run(Synthetic(1.0f), film, {1, 0, 0}).first_non_finite);
+}
+
+// The first by row, column and sample, on any number of threads, in the camera's picture.
+TEST(RenderImage, TheFirstNonFiniteSampleIsLocated) {
+  class BrokenDownThere final : public Integrator {
+   public:
+    void trace(std::span<PathSample> samples, RayCounts&) const override {
+      for (PathSample& sample : samples) {
+        const bool is_broken = sample.ray.direction.z < -0.2f && sample.sampler.next_1d() < 0.01f;
+        sample.seen = {is_broken ? C3f(0, INFINITY, 0) : C3f(1.0f), 1.0f};
+      }
+    }
+  };
+  const Camera camera(description, 60, 50);
+  std::vector<SamplePlace> places;
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    Film film(40, 40);
+    const RenderOutcome outcome = render_image(
+        {BrokenDownThere(), camera, box_filter(), {40, 0, 0}, 1, SamplerKind::sobol, {}, {}, V2i(10, 5)}, film);
+    ASSERT_TRUE(outcome.first_non_finite);
+    places.push_back(*outcome.first_non_finite);
+    const auto& [pixel, index] = places.back();
+    EXPECT_EQ(pixel, places[0].pixel);
+    EXPECT_EQ(index, places[0].sample);
+    // Alone, it is broken, too; none above it is.
+    const V2i at = pixel - V2i(10, 5);
+    EXPECT_LT(film.pixel(at.x, at.y).mean().y, 1.0);
+    for (int y = 0; y < at.y; ++y)
+      for (int x = 0; x < 40; ++x) ASSERT_NEAR(film.pixel(x, y).mean().y, 1.0, 1e-6);
+  }
 }
 
 // A floor of black and white squares that reaches to the horizon, under an even sky.

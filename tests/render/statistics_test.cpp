@@ -37,9 +37,10 @@ TEST(Statistics, HoldsEveryFieldOfTheContract) {
   for (const char* key : {"solver", "form_factors", "elements", "links", "iterations", "rays", "residual",
                           "error_bound", "memory_bytes"})
     EXPECT_TRUE(json["radiosity"].contains(key)) << key;
-  for (const char* key : {"integrator", "width", "height", "spp", "samples", "rays", "shadow_rays",
-                          "escaped_rays", "non_finite_samples", "relative_error", "relative_error_bound",
-                          "stop_reason", "pixels_stopped_early", "sampler", "clamped", "bias"})
+  for (const char* key :
+       {"integrator", "width", "height", "spp", "samples", "rays", "shadow_rays", "escaped_rays",
+        "non_finite_samples", "first_non_finite", "relative_error", "relative_error_bound", "stop_reason",
+        "pixels_stopped_early", "sampler", "clamped", "bias"})
     EXPECT_TRUE(json["render"].contains(key)) << key;
   for (const char* key : {"peak_memory_bytes", "threads", "seed"}) EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["render"]["spp"], 10.0);
