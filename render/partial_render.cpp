@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/core/error.h"
+#include "render/core/names.h"
 
 namespace twopass {
 namespace {
@@ -13,7 +14,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* attribute = "twopass/partial";
-constexpr int format = 1;
+constexpr int format = 2;
 
 json json_of_plan(const PlanState& plan) {
   return {
@@ -35,7 +36,63 @@ PlanState plan_of_json(const json& j) {
   return plan;
 }
 
-std::string text_of(const PartialRender& part) {
+constexpr Named<PixelType> pixel_type_names[] = {{"half", PixelType::half}, {"float", PixelType::float_}};
+constexpr Named<Reduction> reduction_names[] = {{"mean", Reduction::mean},
+                                                {"total", Reduction::total},
+                                                {"nearest", Reduction::nearest},
+                                                {"samples", Reduction::samples},
+                                                {"variance", Reduction::variance}};
+
+template <class T>
+std::string name(std::span<const Named<T>> names, T value) {
+  return std::string(name_of_value<T>(names, value));
+}
+template <class T>
+void read(std::span<const Named<T>> names, const json& j, T& value) {
+  value = value_of_name<T>(names, j.get<std::string>(), attribute, "name");
+}
+
+json json_of_layout(const FilmLayout& layout) {
+  json layers = json::array();
+  for (const FilmLayer& layer : layout.layers)
+    layers.push_back({layer.name, layer.channels, name<Reduction>(reduction_names, layer.reduction)});
+  return {
+      {"layers", layers}, {"cryptomattes", layout.cryptomattes}, {"signed_weights", layout.has_signed_weights}};
+}
+
+FilmLayout layout_of_json(const json& j) {
+  FilmLayout layout;
+  for (const json& layer : j.at("layers")) {
+    layout.layers.push_back({layer.at(0), layer.at(1).get<std::vector<std::string>>(), Reduction::mean});
+    read<Reduction>(reduction_names, layer.at(2), layout.layers.back().reduction);
+  }
+  layout.cryptomattes = j.at("cryptomattes").get<std::vector<std::string>>();
+  layout.has_signed_weights = j.at("signed_weights");
+  return layout;
+}
+
+// What of them does not stand in the header.
+json json_of_options(const ExrOptions& options) {
+  return {{"pixels", name<PixelType>(pixel_type_names, options.pixel_type)},
+          {"compression", name<ExrCompression>(exr_compression_names, options.compression)},
+          {"parts", name<ExrParts>(exr_parts_names, options.parts)},
+          {"chromaticities", name<ExrChromaticities>(exr_chromaticities_names, options.chromaticities)},
+          {"color_space", options.color_space},
+          {"float_layers", options.float_layers},
+          {"integer_layers", options.integer_layers}};
+}
+
+void options_of_json(const json& j, ExrOptions& options) {
+  read<PixelType>(pixel_type_names, j.at("pixels"), options.pixel_type);
+  read<ExrCompression>(exr_compression_names, j.at("compression"), options.compression);
+  read<ExrParts>(exr_parts_names, j.at("parts"), options.parts);
+  read<ExrChromaticities>(exr_chromaticities_names, j.at("chromaticities"), options.chromaticities);
+  options.color_space = j.at("color_space");
+  options.float_layers = j.at("float_layers").get<std::vector<std::string>>();
+  options.integer_layers = j.at("integer_layers").get<std::vector<std::string>>();
+}
+
+std::string text_of(const PartialRender& part, const FilmLayout& layout, const ExrOptions& options) {
   json ranges = json::array(), settings = json::array();
   for (const SampleRange& range : part.ranges) ranges.push_back({range.begin, range.end});
   for (const auto& [name, value] : part.identity.settings) settings.push_back({name, value});
@@ -48,7 +105,8 @@ std::string text_of(const PartialRender& part) {
                   {"ranges", ranges},
                   {"all_samples", part.all_samples},
                   {"footprint_samples", part.footprint_samples},
-                  {"half", part.half},
+                  {"layout", json_of_layout(layout)},
+                  {"options", json_of_options(options)},
                   {"rays", costs.counts.rays},
                   {"shadow_rays", costs.counts.shadow_rays},
                   {"escaped_rays", costs.counts.escaped_rays},
@@ -57,8 +115,7 @@ std::string text_of(const PartialRender& part) {
   return j.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-PartialRender part_of_text(const std::string& text) {
-  const json j = json::parse(text);
+PartialRender part_of_json(const json& j) {
   if (j.at("format") != format) throw std::runtime_error("another format");
   PartialRender part;
   part.identity = {j.at("version"), j.at("scene"), j.at("solution"), {}};
@@ -70,7 +127,6 @@ PartialRender part_of_text(const std::string& text) {
   }
   part.all_samples = j.at("all_samples");
   part.footprint_samples = j.at("footprint_samples");
-  part.half = j.at("half");
   part.state.costs = {{j.at("rays"), j.at("shadow_rays"), j.at("escaped_rays")}, j.at("non_finite_samples")};
   part.can_resume = !j.at("plan").is_null();
   if (part.can_resume) part.state.plan = plan_of_json(j.at("plan"));
@@ -137,7 +193,7 @@ std::string ranges_text(const std::vector<SampleRange>& ranges) {
 void save_partial(const fs::path& path, const Film& film, const PartialRender& part, const ExrOptions& options,
                   const fs::path& previous) {
   ExrOptions with_part = options;
-  with_part.metadata.emplace_back(attribute, text_of(part));
+  with_part.metadata.emplace_back(attribute, text_of(part, film.layout(), options));
   write_film(path, film, part.can_resume ? part.state.plan.levels : std::vector<std::uint8_t>(), with_part,
              previous);
 }
@@ -147,7 +203,10 @@ PartialFile::PartialFile(const fs::path& path) : film_(path), options_(film_.opt
   const auto found = std::find_if(options_.metadata.begin(), options_.metadata.end(), is_part);
   try {
     if (found == options_.metadata.end()) throw std::runtime_error("no description");
-    part_ = part_of_text(std::get<std::string>(found->second));
+    const json j = json::parse(std::get<std::string>(found->second));
+    part_ = part_of_json(j);
+    layout_ = layout_of_json(j.at("layout"));
+    options_of_json(j.at("options"), options_);
     if (film_.has_marks() != !part_.state.plan.variances.empty() ||
         (film_.has_marks() && part_.state.plan.variances.size() != SampleShares::level_count()))
       throw std::runtime_error("a plan that is not whole");
@@ -156,7 +215,6 @@ PartialFile::PartialFile(const fs::path& path) : film_(path), options_(film_.opt
                 "render this part again, with the same version of the program");
   }
   options_.metadata.erase(found);
-  options_.pixel_type = part_.half ? PixelType::half : PixelType::float_;
 }
 
 void PartialFile::merge_into(Film& film, PlanState* plan) const {

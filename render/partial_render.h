@@ -28,7 +28,6 @@ struct PartialRender {
   std::vector<SampleRange> ranges;  ///< numbers of samples that its pixels have, at most; ascending, apart
   std::uint32_t all_samples = 0;    ///< of a pixel in all parts; 0: not known in advance
   int footprint_samples = 0;        ///< of a pixel, for which textures are filtered
-  bool half = true;                 ///< whether finished OpenEXR pictures should have half floats
   bool can_resume = true;           ///< `state` says how to go on
   RenderState state{};
 };
@@ -43,8 +42,8 @@ std::vector<SampleRange> joined_ranges(const std::vector<SampleRange>& a, const 
 /// "0 to 7 and 16 to 23"
 std::string ranges_text(const std::vector<SampleRange>& ranges);
 
-/// Writes film and description. The options' metadata is that of a finished picture. What was there is kept as
-/// `previous` unless that is empty. Throws Error.
+/// Writes film and description. The options are those of a finished picture, and kept. What was there is kept
+/// as `previous` unless that is empty. Throws Error.
 void save_partial(const std::filesystem::path& path, const Film& film, const PartialRender& part,
                   const ExrOptions& options, const std::filesystem::path& previous = {});
 
@@ -58,14 +57,17 @@ class PartialFile {
   [[nodiscard]] const PartialRender& part() const { return part_; }
   [[nodiscard]] int width() const { return film_.width(); }
   [[nodiscard]] int height() const { return film_.height(); }
+  /// What its film keeps beside the picture.
+  [[nodiscard]] const FilmLayout& layout() const { return layout_; }
   /// Those of a finished picture.
   [[nodiscard]] const ExrOptions& options() const { return options_; }
-  /// Adds its film to another, and with `plan` says where its render stood. Throws Error.
+  /// Adds its film to another of this layout, and with `plan` says where its render stood. Throws Error.
   void merge_into(Film& film, PlanState* plan = nullptr) const;
 
  private:
   FilmFile film_;
   PartialRender part_;
+  FilmLayout layout_;
   ExrOptions options_;
 };
 

@@ -26,6 +26,12 @@ std::string text(float number) {
 
 std::string text(const V2i& v) { return std::to_string(v.x) + "x" + std::to_string(v.y); }
 
+std::string text(const FilmLayout& layout) {
+  std::string names;
+  for (const std::string& channel : layout.channels()) names += (names.empty() ? "" : " ") + channel;
+  return names;
+}
+
 std::string text(const Filter& filter) {
   return std::string(name_of_value<FilterKind>(filter_names(), filter.kind)) + " " + text(filter.radius) + " " +
          text(filter.stddev) + " " + text(filter.b) + " " + text(filter.c);
@@ -66,7 +72,8 @@ RenderIdentity identity_of(const IdentityFacts& f) {
       {"hiding of emitters", limits.hide_emitters ? "on" : "off"},
       {"clamp of direct light", text(limits.clamp_direct)},
       {"clamp of indirect light", text(limits.clamp_indirect)},
-      {"footprint of textures", text(f.cone.width) + " " + text(f.cone.spread) + " " + text(f.cone.share)}};
+      {"footprint of textures", text(f.cone.width) + " " + text(f.cone.spread) + " " + text(f.cone.share)},
+      {"list of channels", text(f.layout)}};
   // Its grid depends on how many samples there are in all.
   if (f.sampler == SamplerKind::stratified)
     identity.settings.emplace_back("number of samples a pixel", std::to_string(f.strata));

@@ -22,6 +22,7 @@ struct IdentityFacts {
   std::uint32_t seed;
   const CameraDescription& camera;
   RayCone cone;
+  const FilmLayout& layout;
 };
 
 RenderIdentity identity_of(const IdentityFacts& facts);

@@ -128,9 +128,8 @@ void LongRender::divide(SamplingGoal& goal) {
                 "resume with the --slice and --spp that it was made with");
 }
 
-void LongRender::begin(RenderIdentity identity, bool half, Film& film) {
+void LongRender::begin(RenderIdentity identity, Film& film) {
   part_.identity = std::move(identity);
-  part_.half = half;
   if (!resumed_) return;
   check_same_render(resumed_->part().identity, options_.resume, part_.identity, "this render");
   resumed_state_.costs = resumed_->part().state.costs;

@@ -44,7 +44,7 @@ class LongRender {
   [[nodiscard]] std::uint32_t all_samples() const { return part_.all_samples; }
 
   /// Puts what was sampled before into the empty film. Throws Error when that was another render.
-  void begin(RenderIdentity identity, bool half, Film& film);
+  void begin(RenderIdentity identity, Film& film);
   /// Fills in where the job begins, when it pauses and who looks on. `write` writes the pictures as they are,
   /// and `options` are those of a picture, `name` what a viewer calls it. REQUIRES: this, film and both
   /// functions outlive the job.

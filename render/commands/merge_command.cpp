@@ -96,6 +96,20 @@ ExrOptions options_of_picture(const Part& first, const Film& film, const std::st
   return options;
 }
 
+// What of a picture lies within its full frame: not its overscan.
+Image within_frame(const Image& image, const ExrOptions& options) {
+  const V2i frame = options.display_size.value_or(V2i(image.width, image.height));
+  const V2i begin(std::max(0, -options.data_offset.x), std::max(0, -options.data_offset.y));
+  const V2i end(std::min(image.width, frame.x - options.data_offset.x),
+                std::min(image.height, frame.y - options.data_offset.y));
+  Image inner(end.x - begin.x, end.y - begin.y, image.channels);
+  for (int y = 0; y < inner.height; ++y)
+    std::copy_n(&image.pixels[image.index(begin.x, begin.y + y, 0)],
+                static_cast<std::size_t>(inner.width) * image.channels.size(),
+                &inner.pixels[inner.index(0, y, 0)]);
+  return inner;
+}
+
 int merge(const MergeOptions& options, const GlobalOptions& global) {
   const Console console = global.console();
   std::optional<DisplayTransform> display;
@@ -109,7 +123,7 @@ int merge(const MergeOptions& options, const GlobalOptions& global) {
   const std::vector<Part> parts = read_parts(options.parts);
   PartialRender all = joined(parts);
   const PartialFile first(parts.front().path);
-  Film film(first.width(), first.height());
+  Film film(first.width(), first.height(), first.layout());
   first.merge_into(film, &all.state.plan);
   for (std::size_t i = 1; i < parts.size(); ++i) {
     throw_if_interrupted();
@@ -127,9 +141,10 @@ int merge(const MergeOptions& options, const GlobalOptions& global) {
     save_partial(options.checkpoint, film, all, exr);
     if (!global.quiet) std::printf("wrote %s\n", options.checkpoint.c_str());
   }
-  const Image image = film.resolve();
+  const Image image = film.resolve_all();
   for (const std::string& output : options.outputs) {
-    write_picture(output, image, display ? &*display : nullptr, exr);
+    write_picture(output, is_display_referred(output) ? within_frame(image, exr) : image,
+                  display ? &*display : nullptr, exr);
     if (!global.quiet) std::printf("wrote %s\n", output.c_str());
   }
   if (global.quiet) return 0;

@@ -14,7 +14,7 @@
 namespace twopass {
 
 /// The header of scan lines without channels: windows, colour tag, metadata.
-Imf::Header picture_header(int width, int height, const ExrOptions& options);
+Imf::Header picture_header(int width, int height, const ExrOptions& options, bool has_color = true);
 /// The metadata and the place in the full frame that a header holds.
 ExrOptions options_of(const Imf::Header& header);
 /// Throws Error unless the path is a regular file that begins like OpenEXR.

@@ -29,11 +29,12 @@ class FilmFile {
   [[nodiscard]] const ExrOptions& options() const { return file_.options(); }
   [[nodiscard]] bool has_marks() const;
   /// Adds what the file holds to the film. With `marks`, also replaces those, which are left alone where the
-  /// file has none. Throws Error when the film has another size, and when the file is damaged; the film is then
-  /// of no use.
+  /// file has none. Throws Error when the film has another size or other layers, and when the file is damaged;
+  /// the film is then of no use.
   void merge_into(Film& film, std::vector<std::uint8_t>* marks = nullptr) const;
 
  private:
+  [[nodiscard]] bool has(const ExrPlane& plane) const;
   std::filesystem::path path_;
   ExrPlanesFile file_;
 };

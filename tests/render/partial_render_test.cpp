@@ -25,7 +25,6 @@ PartialRender some_part() {
   part.ranges = {{4, 8}, {12, 16}};
   part.all_samples = 16;
   part.footprint_samples = 12;
-  part.half = false;
   part.state.costs = {{1ull << 60, 2, 3}, 4};
   part.state.plan = {
       .in_pass = true, .before = 4, .after = 8.1, .error = 1.0 / 3.0, .step = 5, .pilot_samples = 32};
@@ -38,14 +37,29 @@ TEST_F(PartialRenders, ComeBackAsTheyWere) {
   part.state.plan.variances.assign(SampleShares::level_count(), 0.1);
   part.state.plan.variances[3] = 1e300;
   part.state.plan.shares_of = 16;
-  save_partial(file("a.exr"), film_of(4, 3, 4), part, {});
+  ExrOptions options;
+  options.pixel_type = PixelType::float_;
+  options.compression = ExrCompression::piz;
+  options.parts = ExrParts::layer;
+  options.chromaticities = ExrChromaticities::never;
+  options.color_space = "lin_ap1_scene";
+  options.float_layers = {"CryptoObject00"};
+  options.integer_layers = {"samples"};
+  options.world_to_camera = M44f(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+  save_partial(file("a.exr"), film_of(4, 3, 4), part, options);
   const PartialFile stored(file("a.exr"));
+  EXPECT_EQ(stored.options().compression, ExrCompression::piz);
+  EXPECT_EQ(stored.options().parts, ExrParts::layer);
+  EXPECT_EQ(stored.options().chromaticities, ExrChromaticities::never);
+  EXPECT_EQ(stored.options().color_space, "lin_ap1_scene");
+  EXPECT_EQ(stored.options().float_layers, options.float_layers);
+  EXPECT_EQ(stored.options().integer_layers, options.integer_layers);
+  EXPECT_EQ(stored.options().world_to_camera, options.world_to_camera);
   const PartialRender& read = stored.part();
   EXPECT_EQ(read.identity, part.identity);
   EXPECT_EQ(ranges_text(read.ranges), "4 to 7 and 12 to 15");
   EXPECT_EQ(read.all_samples, 16u);
   EXPECT_EQ(read.footprint_samples, 12);
-  EXPECT_FALSE(read.half);
   EXPECT_EQ(stored.options().pixel_type, PixelType::float_);
   EXPECT_EQ(read.state.costs.counts.rays, 1ull << 60);
   EXPECT_EQ(read.state.costs.non_finite_samples, 4u);
@@ -66,11 +80,50 @@ TEST_F(PartialRenders, ComeBackAsTheyWere) {
   EXPECT_FALSE(PartialFile(file("a.exr")).part().can_resume);
 }
 
+TEST_F(PartialRenders, LayersAndCryptomattesComeAlong) {
+  FilmLayout layout;
+  layout.layers = {{"diffuse", {"R", "G", "B"}, Reduction::mean},
+                   {"P", {"X", "Y", "Z"}, Reduction::nearest},
+                   {"", {"bad"}, Reduction::total},
+                   {"", {"n"}, Reduction::samples}};
+  layout.cryptomattes = {"CryptoObject", "CryptoMaterial"};
+  layout.has_signed_weights = true;
+  const auto some_film = [&](std::uint32_t seed) {
+    Film film(7, 5, layout);
+    for (int y = 0; y < 5; ++y)
+      for (int x = 0; x < 7; ++x)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+          const std::size_t i = film.index(x, y);
+          const float f = 0.1f * static_cast<float>(static_cast<std::uint32_t>(x) + seed + k);
+          PixelBatch batch;
+          batch.add(C3f(f, 2.0f, 3.0f), 1.0f, 1.0f + f);
+          film.add_pixel(x, y, batch);
+          const std::vector<float> values{f, 1.0f, 0.5f, f, 2.0f * f, 3.0f, 1.0f};
+          film.layers().add(i, values, 1.0f + f, f);
+          film.cryptomattes()[0].add(i, seed + k, 1.0f + f);
+          if (x > 3) film.cryptomattes()[1].add(i, 7u, 1.0f);
+        }
+    return film;
+  };
+  const Film a = some_film(1), b = some_film(2);
+  Film expected = a;
+  expected.merge(b);
+  save_partial(file("a.exr"), a, some_part(), {});
+  save_partial(file("b.exr"), b, some_part(), {});
+  Film merged(7, 5, PartialFile(file("a.exr")).layout());
+  EXPECT_EQ(merged.layout().channels(), layout.channels());
+  PartialFile(file("a.exr")).merge_into(merged);
+  PartialFile(file("b.exr")).merge_into(merged);
+  EXPECT_EQ(merged.resolve_all().pixels, expected.resolve_all().pixels);
+  Film bare(7, 5);
+  EXPECT_TRUE(contains(error_of([&] { PartialFile(file("a.exr")).merge_into(bare); }), "other layers"));
+}
+
 TEST_F(PartialRenders, FilesWithoutTheirDescriptionAreRefused) {
   write_film(file("a.exr"), film_of(4, 3, 4), {}, {});
   EXPECT_TRUE(contains(error_of([&] { PartialFile(file("a.exr")); }), "no description"));
   ExrOptions options;
-  for (const char* text : {"", "{", "[]", R"({"format":1})", R"({"format":99})"}) {
+  for (const char* text : {"", "{", "[]", R"({"format":2})", R"({"format":99})"}) {
     options.metadata = {{"twopass/partial", std::string(text)}};
     write_film(file("a.exr"), film_of(4, 3, 4), {}, options);
     EXPECT_TRUE(contains(error_of([&] { PartialFile(file("a.exr")); }), "description cannot be read")) << text;
