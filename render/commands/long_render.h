@@ -18,9 +18,6 @@ struct LongRenderOptions {
   std::string slice, checkpoint, resume, preview;
   double interval = 60.0;  ///< seconds from one checkpoint to the next
 
-  /// Partial pictures are read or written.
-  [[nodiscard]] bool is_partial() const { return !slice.empty() || !checkpoint.empty() || !resume.empty(); }
-
   void add_to(CLI::App& command);
 };
 

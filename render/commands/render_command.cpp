@@ -327,9 +327,6 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     options.layers.settle(layer_request, exr);
     options.layers.check(layer_request, options.outputs, exr);
   }
-  if (!layer_request.empty() && options.parts.is_partial())
-    throw Error("--aov, --light-groups, --cryptomatte", "partial pictures hold no layers",
-                "leave out the layers, or --slice, --checkpoint and --resume");
   LongRender parts(options.parts, console);
   const ThreadLimit limit(global.threads);
 
@@ -390,8 +387,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                            .strata = parts.all_samples(),
                            .seed = settings.seed,
                            .camera = camera_description,
-                           .cone = cone}),
-              wants_half(options, loaded.settings), film);
+                           .cone = cone,
+                           .layout = film.layout()}),
+              film);
   s.scene_file = options.scene.file;
   s.count(scene);
   s.integrator = name_of_value<IntegratorKind>(integrator_names, settings.integrator);

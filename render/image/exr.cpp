@@ -159,26 +159,11 @@ std::vector<Part> parts_of(const Image& image, const ExrOptions& options) {
 }
 
 Imf::Header make_header(const Image& image, const Part& part, const ExrOptions& options) {
-  const V2i corner = options.data_offset;
-  const V2i frame = options.display_size.value_or(V2i(image.width, image.height));
-  const Imath::Box2i display(V2i(0, 0), frame - V2i(1, 1));
-  const Imath::Box2i data(corner, corner + V2i(image.width - 1, image.height - 1));
-  Imf::Header header(display, data, 1.0f, V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y,
-                     compression_of(options.compression));
+  Imf::Header header = picture_header(image.width, image.height, options, part.has_color);
   if (!part.name.empty()) {
     header.setName(part.name);
     header.setType(Imf::SCANLINEIMAGE);
   }
-  // The tag of the Color Interop Forum.
-  header.insert("colorInteropID", Imf::StringAttribute(part.has_color ? options.color_space : "data"));
-  const bool writes_chromaticities =
-      options.chromaticities == ExrChromaticities::always ||
-      (options.chromaticities == ExrChromaticities::automatic && options.color_space != "lin_rec709_scene");
-  if (part.has_color && writes_chromaticities)
-    Imf::addChromaticities(header, color_spaces.find(options.color_space)->second);
-  if (options.world_to_camera) Imf::addWorldToCamera(header, *options.world_to_camera);
-  if (options.world_to_ndc) Imf::addWorldToNDC(header, *options.world_to_ndc);
-  insert_metadata(header, options.metadata);
   for (const std::size_t c : part.channels)
     header.channels().insert(image.channels[c], Imf::Channel(type_of_channel(image.channels[c], options)));
   return header;
@@ -301,13 +286,22 @@ Image read_first_part(const fs::path& path, ExrMetadata* metadata) {
 
 }  // namespace
 
-Imf::Header picture_header(int width, int height, const ExrOptions& options) {
+Imf::Header picture_header(int width, int height, const ExrOptions& options, bool has_color) {
   const V2i corner = options.data_offset;
   const V2i frame = options.display_size.value_or(V2i(width, height));
   const Imath::Box2i display(V2i(0, 0), frame - V2i(1, 1));
   const Imath::Box2i data(corner, corner + V2i(width - 1, height - 1));
-  Imf::Header header(display, data, 1.0f, V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y, Imf::ZIPS_COMPRESSION);
-  header.insert("colorInteropID", Imf::StringAttribute(options.color_space));
+  Imf::Header header(display, data, 1.0f, V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y,
+                     compression_of(options.compression));
+  // The tag of the Color Interop Forum.
+  header.insert("colorInteropID", Imf::StringAttribute(has_color ? options.color_space : "data"));
+  const bool writes_chromaticities =
+      options.chromaticities == ExrChromaticities::always ||
+      (options.chromaticities == ExrChromaticities::automatic && options.color_space != "lin_rec709_scene");
+  if (has_color && writes_chromaticities)
+    Imf::addChromaticities(header, color_spaces.find(options.color_space)->second);
+  if (options.world_to_camera) Imf::addWorldToCamera(header, *options.world_to_camera);
+  if (options.world_to_ndc) Imf::addWorldToNDC(header, *options.world_to_ndc);
   insert_metadata(header, options.metadata);
   return header;
 }
@@ -317,6 +311,8 @@ ExrOptions options_of(const Imf::Header& header) {
   options.metadata = metadata_of(header);
   if (const auto* space = header.findTypedAttribute<Imf::StringAttribute>("colorInteropID"))
     options.color_space = space->value();
+  if (Imf::hasWorldToCamera(header)) options.world_to_camera = Imf::worldToCamera(header);
+  if (Imf::hasWorldToNDC(header)) options.world_to_ndc = Imf::worldToNDC(header);
   options.data_offset = header.dataWindow().min;
   options.display_size = header.displayWindow().max + V2i(1, 1);
   return options;
