@@ -42,8 +42,8 @@ SceneDescription room(bool only_diffuse) {
 }
 
 // Everything that integrators want, and rays from a corner of the room that see all of it.
-struct Setup {
-  explicit Setup(SceneDescription description)
+struct LitRoom {
+  explicit LitRoom(SceneDescription description)
       : scene(std::move(description)),
         groups(scene.description()),
         solution(solve_radiosity(scene, options())),
@@ -85,8 +85,8 @@ struct Traced {
   std::vector<C3f> group_values;
 };
 
-Traced trace(const Setup& setup, const Integrator& integrator, std::uint32_t count, std::uint32_t seed) {
-  Traced t{Setup::rays(count, seed), std::vector<SampleLayers>(count), {}};
+Traced trace(const LitRoom& setup, const Integrator& integrator, std::uint32_t count, std::uint32_t seed) {
+  Traced t{LitRoom::rays(count, seed), std::vector<SampleLayers>(count), {}};
   const std::size_t groups = setup.groups.size();
   t.group_values.resize(count * groups);
   for (std::size_t i = 0; i < count; ++i) {
@@ -102,18 +102,18 @@ Traced trace(const Setup& setup, const Integrator& integrator, std::uint32_t cou
 
 C3f of(const SampleLayers& layers, LightClass kind) { return layers.light[static_cast<std::size_t>(kind)]; }
 
-const Setup& furnished() {
-  static const Setup setup(room(false));
+const LitRoom& furnished() {
+  static const LitRoom setup(room(false));
   return setup;
 }
 
 TEST(Layers, SumToThePictureInEveryIntegratorAndChangeNothingOfIt) {
-  const Setup& setup = furnished();
+  const LitRoom& setup = furnished();
   ASSERT_EQ(setup.groups.names(), (std::vector<std::string>{"key", "fill", "spark"}));
   for (const PathLimits& limits : {PathLimits{}, PathLimits{.clamp_direct = 2.0f, .clamp_indirect = 0.5f}})
     for (const IntegratorKind kind : all_kinds) {
       const std::unique_ptr<Integrator> integrator = setup.integrator(kind, limits);
-      std::vector<PathSample> plain = Setup::rays(3000, 5);
+      std::vector<PathSample> plain = LitRoom::rays(3000, 5);
       RayCounts counts;
       integrator->trace(plain, counts);
       const Traced traced = trace(setup, *integrator, 3000, 5);
@@ -139,9 +139,9 @@ TEST(Layers, SumToThePictureInEveryIntegratorAndChangeNothingOfIt) {
 
 // The paths of at most two edges are the same, number by number, in both integrators.
 TEST(Layers, DirectLightIsThatOfTheIntegratorOfDirectLight) {
-  const Setup& setup = furnished();
+  const LitRoom& setup = furnished();
   const Traced path = trace(setup, *setup.integrator(IntegratorKind::path), 5000, 6);
-  std::vector<PathSample> direct = Setup::rays(5000, 6);
+  std::vector<PathSample> direct = LitRoom::rays(5000, 6);
   RayCounts counts;
   setup.integrator(IntegratorKind::direct)->trace(direct, counts);
   std::array<int, light_class_count> seen{};
@@ -160,7 +160,7 @@ TEST(Layers, DirectLightIsThatOfTheIntegratorOfDirectLight) {
 
 // Where the solution is looked up the split is the path tracer's, too.
 TEST(Layers, TheSplitSurvivesTheCache) {
-  const Setup& setup = furnished();
+  const LitRoom& setup = furnished();
   constexpr std::uint32_t count = 60000;
   const auto estimates = [&](IntegratorKind kind, std::uint32_t seed) {
     const Traced traced = trace(setup, *setup.integrator(kind), count, seed);
@@ -188,13 +188,13 @@ TEST(Layers, TheSplitSurvivesTheCache) {
 
 // A group is what there is when the other lights are off.
 TEST(Layers, LightGroupsAreThePicturesOfTheirLights) {
-  const Setup setup(room(true));
+  const LitRoom setup(room(true));
   constexpr std::uint32_t count = 30000;
   for (const IntegratorKind kind : {IntegratorKind::path, IntegratorKind::two_pass, IntegratorKind::unbiased}) {
     const Traced all = trace(setup, *setup.integrator(kind), count, 1);
     for (std::uint32_t g = 0; g < setup.groups.size(); ++g) {
       const Scene lit(setup.groups.lit_by(setup.scene.description(), g));
-      std::vector<PathSample> alone = Setup::rays(count, 2);
+      std::vector<PathSample> alone = LitRoom::rays(count, 2);
       RayCounts counts;
       make_integrator(IntegratorKind::path, lit, {}, {})->trace(alone, counts);
       for (int c = 0; c < 3; ++c) {
