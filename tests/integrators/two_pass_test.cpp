@@ -43,6 +43,23 @@ TEST(TwoPass, HasLessNoiseThanThePathTracer) {
   EXPECT_LT(ours.variance(), 0.65 * plain.variance());
 }
 
+// Where gather rays are drawn changes no mean, and saves noise.
+TEST(TwoPass, GathersWhereTheLightComesFrom) {
+  const Scene scene(furnished_room());
+  const Solution solution = solve(scene, 4000);
+  const Guide guide(scene, solution);
+  const TwoPass plain(scene, {&solution}, {}), guided(scene, {&solution, nullptr, &guide}, {});
+  double noise = 0.0, noise_guided = 0.0;
+  for (const V3f& axis : {V3f(0, 1, 0), V3f(0, 0.3f, -1), V3f(-1, 0.5f, 0.2f), V3f(0.3f, 0.2f, 1)}) {
+    const test::Estimate a = test::mean_radiance(plain, V3f(0.5f, 0.05f, 0.5f), axis, 0.999f, 40000, 1);
+    const test::Estimate b = test::mean_radiance(guided, V3f(0.5f, 0.05f, 0.5f), axis, 0.999f, 40000, 2);
+    EXPECT_NEAR(a.mean(), b.mean(), 4.4 * std::hypot(a.standard_error(), b.standard_error()));
+    noise += a.variance();
+    noise_guided += b.variance();
+  }
+  EXPECT_LT(noise_guided, 0.9 * noise);
+}
+
 // The same room with the indirect light looked up where that is trusted: as right, and with less noise.
 TEST(TwoPass, LooksIndirectLightUp) {
   const Scene scene(furnished_room());

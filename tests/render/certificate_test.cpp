@@ -138,6 +138,22 @@ TEST(Certificate, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(certificates[0].ci95, certificates[1].ci95);
 }
 
+// Black but for a lamp: all samples agree, of which nothing follows.
+TEST(Certificate, ThereIsNoneWhereHardlyAnySampleReadsTheSolution) {
+  SceneDescription description;
+  test::add_diffuse(description, "lamp", test::quad(V3f(0.4f, 0.9f, 0.4f), V3f(0.2f, 0, 0), V3f(0, 0, 0.2f)),
+                    C3f(0.0f), C3f(10.0f));
+  const Scene scene(std::move(description));
+  const auto path = make_integrator(IntegratorKind::path, scene, {}, {});
+  const Camera camera(view, width, height);
+  EXPECT_FALSE(certify({.biased = *path,
+                        .unbiased = *path,
+                        .camera = camera,
+                        .width = width,
+                        .height = height,
+                        .most_rays = 1e5}));
+}
+
 TEST(Certificate, ThereIsNoneOfABlackPictureOrAfterAnInterrupt) {
   SceneDescription dark = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
   const Scene scene(std::move(dark));

@@ -50,6 +50,27 @@ TEST(Plan, EveryReasonToSkipIsGiven) {
   EXPECT_TRUE(plan(lit, IntegratorKind::radiosity, 2).radiosity_pass);
 }
 
+TEST(Plan, LooksLightUpUnlessASkyOrClampsForbidIt) {
+  const SceneDescription lit = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  SceneDescription open = lit;
+  open.environment = Environment(C3f(1.0f));
+  EXPECT_TRUE(plan(lit, IntegratorKind::two_pass).indirect_field);
+  EXPECT_TRUE(plan(lit, IntegratorKind::two_pass).guide);
+  EXPECT_TRUE(plan(lit, IntegratorKind::unbiased).guide);
+  EXPECT_FALSE(plan(lit, IntegratorKind::path).guide);
+  EXPECT_FALSE(plan(lit, IntegratorKind::radiosity).guide);
+  const Plan clamped = plan_render(needs_of(lit), IntegratorKind::two_pass, {.clamp_indirect = 1.0f});
+  for (const auto& [p, why] :
+       {std::pair{plan(open, IntegratorKind::two_pass), "gather rays are needed to find the sky"},
+        std::pair{clamped, "clamps are for single paths"}}) {
+    EXPECT_TRUE(p.radiosity_pass);
+    EXPECT_FALSE(p.indirect_field);
+    ASSERT_EQ(p.skipped.size(), 1u);
+    EXPECT_EQ(p.skipped[0].what, "look-ups of indirect light");
+    EXPECT_EQ(p.skipped[0].why, why);
+  }
+}
+
 TEST(Plan, SkyAndSpecularSurfacesAreSeen) {
   SceneDescription scene = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
   EXPECT_FALSE(needs_of(scene).light);

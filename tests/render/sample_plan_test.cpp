@@ -190,6 +190,16 @@ TEST(SamplePlan, TheLimitOfSamplesIsKept) {
   }
 }
 
+// Of many pixels, four samples each tell how noisy they are.
+TEST(SamplePlan, ALargePictureMayEndAfterFewSamples) {
+  Film large(512, 512), small(64, 64);
+  const auto even = [](int, int, std::uint64_t random) { return 2.0 * unit_number(random); };
+  for (Film* film : {&large, &small}) EXPECT_EQ(render(*film, {0, 0.0, 0.5}, 1, even), "noise");
+  EXPECT_EQ(large.samples(), 4u * 512 * 512);
+  EXPECT_LE(large.relative_error(), 0.5);
+  EXPECT_EQ(small.samples(), 16u * 64 * 64);
+}
+
 TEST(SamplePlan, OnePixelAndNoScatterEnd) {
   Film one(1, 1), calm(5, 5);
   EXPECT_EQ(render(one, {0, 0.0, 0.05}, 1, rare), "noise");
