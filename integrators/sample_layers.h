@@ -43,7 +43,7 @@ struct FirstSurface {
 
 /// Room for the layers of one sample.
 struct SampleLayers {
-  std::array<C3f, light_class_count> light{};  ///< W/(m2 sr), by LightClass; their sum is Seen::radiance
+  std::array<C3f, light_class_count> light;  ///< W/(m2 sr), by LightClass; their sum is Seen::radiance
   FirstSurface first{};
   /// Indirect light was looked up at the first surface that is no mirror or glass, not gathered.
   bool looked_up = false;
@@ -55,7 +55,7 @@ struct SampleLayers {
 
   /// Forgets what was seen.
   void restart() {
-    light = {};
+    light.fill(C3f(0.0f));  // Imath leaves a colour of {} as it is
     first.is_there = looked_up = false;
     std::fill(groups.begin(), groups.end(), C3f(0.0f));
   }

@@ -129,7 +129,7 @@ TEST_F(LayerFiles, LayersChangeNothingAndAreTheSameOnAnyNumberOfThreads) {
 }
 
 TEST_F(LayerFiles, HeadersAreWhatProgramsExpect) {
-  ASSERT_EQ(run(box_ + "--aov N,Z,light --crop 8,4,16,12 --overscan 3 -o a.exr"), 0);
+  ASSERT_EQ(run(box_ + "--exr-type half --aov N,Z,light --crop 8,4,16,12 --overscan 3 -o a.exr"), 0);
   const File file(folder_ / "a.exr");
   const Imf::Header& header = file.header();
   EXPECT_EQ(file.file.parts(), 1);
@@ -216,7 +216,8 @@ TEST_F(LayerFiles, CryptomatteDecodesToWhatIsSeen) {
     EXPECT_EQ(file.text(prefix + "hash"), "MurmurHash3_32");
     EXPECT_EQ(file.text(prefix + "conversion"), "uint32_to_float32");
     std::map<std::uint32_t, std::string> manifest;
-    for (const auto& [thing, hash] : nlohmann::json::parse(file.text(prefix + "manifest")).items())
+    const nlohmann::json named = nlohmann::json::parse(file.text(prefix + "manifest"));
+    for (const auto& [thing, hash] : named.items())
       manifest[static_cast<std::uint32_t>(std::stoul(hash.get<std::string>(), nullptr, 16))] = thing;
     EXPECT_GT(manifest.size(), 3u);
     found.insert(name);
