@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "render/commands/command.h"
+#include "render/commands/display_options.h"
 #include "render/commands/long_render.h"
 #include "render/core/error.h"
 #include "render/core/interrupt.h"
@@ -169,12 +170,7 @@ void add_merge_command(CLI::App& program, const GlobalOptions& global, Action& a
       ->allow_extra_args(false);
   command.add_option("--checkpoint", options->checkpoint,
                      "Write the merged part to this .exr, to be merged or resumed");
-  command.add_option("--ocio", options->display.config,
-                     "OpenColorIO configuration (default: $OCIO, else built in)");
-  command.add_option("--display", options->display.display, "Display of the configuration");
-  command.add_option("--view", options->display.view, "View of the display");
-  command.add_option("--exposure", options->display.exposure_stops,
-                     "Exposure of display-referred pictures, stops");
+  add_display_options(command, options->display);
   command
       .add_option("--exr-type", options->exr_type,
                   "Pixels of .exr files (default: as the render was to have them)")

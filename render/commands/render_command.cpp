@@ -5,6 +5,7 @@
 #include "radiosity/scene_fingerprint.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
+#include "render/commands/display_options.h"
 #include "render/commands/layer_options.h"
 #include "render/commands/long_render.h"
 #include "render/commands/radiosity_options.h"
@@ -538,12 +539,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
   CLI::Option* solution = command.add_option("--solution", options->solution_file,
                                              "Radiosity solution of twopass solve to use instead of solving");
   for (CLI::Option* option : options->radiosity.add_to(command)) solution->excludes(option);
-  command.add_option("--ocio", options->display.config,
-                     "OpenColorIO configuration (default: $OCIO, else built in)");
-  command.add_option("--display", options->display.display, "Display of the configuration");
-  command.add_option("--view", options->display.view, "View of the display");
-  command.add_option("--exposure", options->display.exposure_stops,
-                     "Exposure of display-referred pictures, stops");
+  add_display_options(command, options->display);
   command
       .add_option("--exr-type", options->exr_type,
                   "Pixels of .exr files (default: as the scene says, else half)")

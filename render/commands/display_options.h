@@ -1,0 +1,13 @@
+// Options of how pictures are displayed, which several commands share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "render/image/color.h"
+
+namespace twopass {
+
+/// Adds --ocio, --display, --view and --exposure. REQUIRES: `display` outlives the command.
+void add_display_options(CLI::App& command, DisplayOptions& display);
+
+}  // namespace twopass
