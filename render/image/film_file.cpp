@@ -53,7 +53,6 @@ std::vector<ExrPlane> planes_of_picture() { return {{"R", true}, {"G", true}, {"
 std::string share_name(const std::string& layer, std::size_t n) {
   return "film." + layer + "." + std::to_string(n);
 }
-constexpr std::size_t share_words = 4;
 
 // The planes of a film with this layout, whose Cryptomattes found at most so many things in a pixel.
 std::vector<ExrPlane> planes_of_film(const FilmLayout& layout, std::span<const std::size_t> most_shares,

@@ -1,6 +1,7 @@
 #include "render/image/layers.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace twopass {
 
