@@ -6,224 +6,14 @@
 #include <cstring>
 #include <map>
 #include <string>
-#include <type_traits>
-
-#if TWOPASS_EMBREE_VERSION >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
 
 #include "render/core/error.h"
-#include "render/scene/geometry.h"
+#include "render/scene/embree_query.h"
+#include "render/scene/embree_surface.h"
 
 namespace twopass {
 
 namespace {
-
-// Embree builds with asserts abort on rays that are not finite or start further out than this.
-constexpr float largest_coordinate = 1e18f;
-
-// One sum, which is not a number or too large if any coordinate is.
-bool is_valid(const V3f& origin, const V3f& direction) {
-  return std::abs(origin.x) + std::abs(origin.y) + std::abs(origin.z) + std::abs(direction.x) +
-             std::abs(direction.y) + std::abs(direction.z) <
-         largest_coordinate;
-}
-
-template <int N>
-using PacketRay = std::conditional_t<N == 16, RTCRay16, RTCRay8>;
-template <int N>
-using PacketRayHit = std::conditional_t<N == 16, RTCRayHit16, RTCRayHit8>;
-
-// The one difference between Embree 3 and 4 that queries see.
-#if TWOPASS_EMBREE_VERSION >= 4
-void query_intersect(RTCScene scene, RTCRayHit& ray_hit) { rtcIntersect1(scene, &ray_hit, nullptr); }
-void query_occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
-template <int N>
-void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, bool coherent) {
-  RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
-  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-  if constexpr (N == 16)
-    rtcIntersect16(valid, scene, &packet, &arguments);
-  else
-    rtcIntersect8(valid, scene, &packet, &arguments);
-}
-template <int N>
-void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet, bool coherent) {
-  RTCOccludedArguments arguments;
-  rtcInitOccludedArguments(&arguments);
-  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-  if constexpr (N == 16)
-    rtcOccluded16(valid, scene, &packet, &arguments);
-  else
-    rtcOccluded8(valid, scene, &packet, &arguments);
-}
-#else
-struct Context : RTCIntersectContext {
-  explicit Context(bool coherent = false) {
-    rtcInitIntersectContext(this);
-    if (coherent) flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  }
-};
-void query_intersect(RTCScene scene, RTCRayHit& ray_hit) {
-  Context context;
-  rtcIntersect1(scene, &context, &ray_hit);
-}
-void query_occluded(RTCScene scene, RTCRay& ray) {
-  Context context;
-  rtcOccluded1(scene, &context, &ray);
-}
-template <int N>
-void query_intersect(RTCScene scene, const int* valid, PacketRayHit<N>& packet, bool coherent) {
-  Context context(coherent);
-  if constexpr (N == 16)
-    rtcIntersect16(valid, scene, &context, &packet);
-  else
-    rtcIntersect8(valid, scene, &context, &packet);
-}
-template <int N>
-void query_occluded(RTCScene scene, const int* valid, PacketRay<N>& packet, bool coherent) {
-  Context context(coherent);
-  if constexpr (N == 16)
-    rtcOccluded16(valid, scene, &context, &packet);
-  else
-    rtcOccluded8(valid, scene, &context, &packet);
-}
-#endif
-
-// Written field by field in place: copying a finished ray would stall on its own stores.
-void set_ray(RTCRay& ray, const V3f& origin, const V3f& direction, float t_far) {
-  ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
-  ray.tnear = 0.0f;
-  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
-  ray.time = 0.0f;
-  ray.tfar = t_far;
-  ray.mask = 0xffffffffu;
-  ray.id = 0;
-  ray.flags = 0;
-}
-
-template <int N>
-void put(PacketRay<N>& rays, std::size_t lane, const V3f& origin, const V3f& direction) {
-  rays.org_x[lane] = origin.x, rays.org_y[lane] = origin.y, rays.org_z[lane] = origin.z;
-  rays.dir_x[lane] = direction.x, rays.dir_y[lane] = direction.y, rays.dir_z[lane] = direction.z;
-}
-
-// What is the same in all packets, and is left alone by Embree.
-template <int N>
-void set_constants(PacketRay<N>& rays) {
-  std::fill_n(rays.tnear, N, 0.0f);
-  std::fill_n(rays.time, N, 0.0f);
-  std::fill_n(rays.mask, N, 0xffffffffu);
-  std::fill_n(rays.id, N, 0u);
-  std::fill_n(rays.flags, N, 0u);
-}
-
-// What remains to be set when `count` rays have been put in. Lanes that are empty, or hold what Embree must not
-// see, are switched off and get a harmless ray. Plain loops over arrays, for vector instructions.
-template <int N>
-void finish(PacketRay<N>& rays, int* valid, std::size_t count, float t_far) {
-  const V3f zero(0.0f), up(0.0f, 0.0f, 1.0f);
-  for (std::size_t lane = count; lane < N; ++lane) put<N>(rays, lane, zero, up);
-  int all = -1;
-  for (std::size_t i = 0; i < N; ++i) {
-    valid[i] =
-        is_valid({rays.org_x[i], rays.org_y[i], rays.org_z[i]}, {rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]})
-            ? -1
-            : 0;
-    all &= valid[i];
-    rays.tfar[i] = t_far;
-  }
-  if (all == 0) [[unlikely]]
-    for (std::size_t lane = 0; lane < count; ++lane)
-      if (valid[lane] == 0) put<N>(rays, lane, zero, up);
-  for (std::size_t lane = count; lane < N; ++lane) valid[lane] = 0;
-}
-
-// The rounding of `direction` moves the end of a segment by some units in the last place of the whole length.
-constexpr float segment_end = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
-
-// The distances at which the line meets an analytic surface, ascending, the farther ones again if there are
-// fewer than two. False: it misses.
-bool meet(const Sphere& sphere, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
-  return intersect_sphere(sphere, origin, direction, t[0], t[1]);
-}
-bool meet(const Disk& disk, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
-  V2d at;
-  if (!intersect_disk(disk, origin, direction, t[0], at)) return false;
-  t[1] = t[0];
-  return true;
-}
-bool meet(const Cylinder& cylinder, const V3f& origin, const V3f& direction, std::array<double, 2>& t) {
-  std::array<double, 2> along;
-  if (!intersect_cylinder(cylinder, origin, direction, t, along)) return false;
-  const bool hits_near = along[0] >= 0.0 && along[0] <= 1.0, hits_far = along[1] >= 0.0 && along[1] <= 1.0;
-  if (!hits_near) t[0] = t[1];
-  if (!hits_far) t[1] = t[0];
-  return hits_near || hits_far;
-}
-
-// The nearest distance within (tnear, tfar) at which the ray of a packet meets the surface; false if there is
-// none.
-template <class Surface>
-bool nearest_in_range(const Surface& surface, RTCRayN* rays, unsigned n, unsigned lane, float& t) {
-  const V3f origin(RTCRayN_org_x(rays, n, lane), RTCRayN_org_y(rays, n, lane), RTCRayN_org_z(rays, n, lane));
-  const V3f direction(RTCRayN_dir_x(rays, n, lane), RTCRayN_dir_y(rays, n, lane), RTCRayN_dir_z(rays, n, lane));
-  std::array<double, 2> met;
-  if (!meet(surface, origin, direction, met)) return false;
-  for (const double candidate : met) {
-    t = static_cast<float>(candidate);
-    if (t > RTCRayN_tnear(rays, n, lane) && t < RTCRayN_tfar(rays, n, lane)) return true;
-  }
-  return false;
-}
-
-template <class Surface>
-const Surface& surface_of(void* user_data) {
-  return *static_cast<const Surface*>(user_data);
-}
-
-template <class Surface>
-void surface_bounds(const RTCBoundsFunctionArguments* args) {
-  const auto& surface = surface_of<Surface>(args->geometryUserPtr);
-  const V3f margin(rounding_offset(surface));
-  const Box3f box = box_of(surface);
-  const V3f lower = box.min - margin, upper = box.max + margin;
-  args->bounds_o->lower_x = lower.x, args->bounds_o->upper_x = upper.x;
-  args->bounds_o->lower_y = lower.y, args->bounds_o->upper_y = upper.y;
-  args->bounds_o->lower_z = lower.z, args->bounds_o->upper_z = upper.z;
-}
-
-// Single rays are packets of one.
-template <class Surface>
-void surface_intersect(const RTCIntersectFunctionNArguments* args) {
-  const unsigned n = args->N;
-  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
-  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
-  for (unsigned lane = 0; lane < n; ++lane) {
-    float t;
-    if (args->valid[lane] == 0 ||
-        !nearest_in_range(surface_of<Surface>(args->geometryUserPtr), rays, n, lane, t))
-      continue;
-    RTCRayN_tfar(rays, n, lane) = t;
-    RTCHitN_geomID(hits, n, lane) = args->geomID;
-    RTCHitN_primID(hits, n, lane) = args->primID;
-    RTCHitN_instID(hits, n, lane, 0) = RTC_INVALID_GEOMETRY_ID;
-    RTCHitN_u(hits, n, lane) = RTCHitN_v(hits, n, lane) = 0.0f;
-  }
-}
-
-template <class Surface>
-void surface_occluded(const RTCOccludedFunctionNArguments* args) {
-  for (unsigned lane = 0; lane < args->N; ++lane) {
-    float t;
-    if (args->valid[lane] != 0 &&
-        nearest_in_range(surface_of<Surface>(args->geometryUserPtr), args->ray, args->N, lane, t))
-      RTCRayN_tfar(args->ray, args->N, lane) = -infinity_f;
-  }
-}
 
 // Instances know which shapes of theirs was hit: the shapes of one instance follow each other.
 std::uint32_t shape_of(std::uint32_t instance, std::uint32_t geometry) {
@@ -322,16 +112,6 @@ struct RayCaster::Impl {
                                sizeof(V3u), mesh.triangles.size());
     attach(to, geometry, id);
   }
-  template <class Surface>
-  void add_surface(const Surface& surface, std::uint32_t id) {
-    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, 1);
-    rtcSetGeometryUserData(geometry, const_cast<Surface*>(&surface));
-    rtcSetGeometryBoundsFunction(geometry, surface_bounds<Surface>, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, surface_intersect<Surface>);
-    rtcSetGeometryOccludedFunction(geometry, surface_occluded<Surface>);
-    attach(scene, geometry, id);
-  }
   RTCScene new_scene() const {
     const RTCScene made = rtcNewScene(device);
     rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST);
@@ -367,7 +147,7 @@ struct RayCaster::Impl {
               triangles += kind.triangles.size();
               add_mesh(scene, kind, id);
             } else if constexpr (!std::is_same_v<Kind, MeshInstance>) {
-              add_surface(kind, id);
+              attach(scene, new_surface(device, kind), id);
             }
           },
           geometry);

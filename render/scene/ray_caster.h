@@ -1,4 +1,4 @@
-// Ray casting: the only place that knows Embree (3 or 4).
+// Ray casting: nothing else knows Embree (3 or 4).
 #pragma once
 
 #include <memory>

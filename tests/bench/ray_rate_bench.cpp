@@ -10,12 +10,7 @@
 #include "integrators/vertex.h"
 #include "render/core/parallel.h"
 #include "render/load/load.h"
-
-#if TWOPASS_EMBREE_VERSION >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include "render/scene/embree.h"
 
 namespace twopass {
 namespace {

@@ -19,7 +19,9 @@ const std::vector<std::string> rooms{"render/core/", "render/image/", "materials
 
 // Libraries and the only places that may include them.
 const std::vector<std::pair<std::string, std::string>> homes{
-    {"embree", "render/scene/ray_caster.cpp"},
+    {"embree3/", "render/scene/embree.h"},
+    {"embree4/", "render/scene/embree.h"},
+    {"render/scene/embree", "render/scene/"},
     {"tbb/", "render/core/parallel.cpp"},
     {"OpenColorIO/", "render/image/color"},
     {"OpenEXR/", "render/image/exr"},
