@@ -13,6 +13,9 @@ struct PassOne {
   const Solution* solution = nullptr;
   const IndirectField* field = nullptr;  ///< null: indirect light is gathered everywhere
   const Guide* guide = nullptr;          ///< null: directions are drawn from the scattering models alone
+  /// Gathering goes over one more diffuse surface before the solution is read: less of its error is seen, by
+  /// longer paths.
+  bool gathers_twice = false;
 };
 
 }  // namespace twopass

@@ -47,6 +47,8 @@ struct SampleLayers {
   FirstSurface first{};
   /// Indirect light was looked up at the first surface that is no mirror or glass, not gathered.
   bool looked_up = false;
+  /// It was gathered: read from a solution where the next ray met a surface that is no mirror or glass.
+  bool gathered = false;
   /// The same light by light group; empty: not asked for.
   std::span<C3f> groups{};
   const LightGroups* light_groups = nullptr;  ///< set where `groups` is
@@ -56,7 +58,7 @@ struct SampleLayers {
   /// Forgets what was seen.
   void restart() {
     light.fill(C3f(0.0f));  // Imath leaves a colour of {} as it is
-    first.is_there = looked_up = false;
+    first.is_there = looked_up = gathered = false;
     std::fill(groups.begin(), groups.end(), C3f(0.0f));
   }
   /// Adds light of the light number `number` (Lights).

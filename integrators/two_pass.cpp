@@ -1,6 +1,5 @@
 #include "integrators/two_pass.h"
 
-#include "integrators/look_up.h"
 #include "integrators/trace.h"
 
 namespace twopass {
@@ -28,6 +27,14 @@ Step step_after(Known known) {
   return Step::light_and_scatter;
 }
 
+// Where diffuse reflection has been looked up: what is left is glossy, or nothing.
+Step after_look_up(Vertex& vertex) {
+  const Bsdf& bsdf = vertex.bsdf();
+  if (std::holds_alternative<Diffuse>(bsdf) || std::holds_alternative<RoughDiffuse>(bsdf)) return Step::end;
+  vertex.leave_out_diffuse();
+  return std::holds_alternative<Plastic>(bsdf) ? Step::scatter : Step::light_and_scatter;
+}
+
 }  // namespace
 
 bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
@@ -47,11 +54,11 @@ void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
   trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
     if (is_specular(vertex.bsdf())) return Step::scatter;
     // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
-    if (vertex.gathers() && std::holds_alternative<Diffuse>(vertex.bsdf()) &&
-        resolves(vertex.point(), vertex.distance())) {
+    if (vertex.gathers() && vertex.scatterings() >= least_scatterings_ &&
+        !is_black(diffuse_reflectance(vertex.bsdf())) && resolves(vertex.point(), vertex.distance())) {
       const Irradiance irradiance = solution_->irradiance(vertex.point());
-      vertex.add(reflected_radiance(vertex.bsdf(), irradiance), irradiance, LookUp::element);
-      return Step::end;
+      vertex.add(vertex.diffuse_albedo() * irradiance.total() * (1.0f / pi_f), irradiance, LookUp::element);
+      return after_look_up(vertex);
     }
     const IndirectField::LookUp found = look_up(vertex);
     if (found.known >= Known::indirect) {

@@ -11,7 +11,8 @@
 //                                                             reflectance at y; no next-event estimation at y
 //
 // A vertex is either evaluated (next-event estimation, and the walk goes on) or looked up (the solution, and
-// the walk ends), never both. y is evaluated like x instead of looked up when the gather ray is too short for
+// the walk ends), never both. Where y is glossy, too, what it reflects diffusely is looked up, and the rest is
+// evaluated. y is evaluated like x instead of looked up when the gather ray is too short for
 // the elements to resolve (contact fallback), or when no solution was computed; its own gather ray then takes
 // the part of y's.
 #pragma once
@@ -35,6 +36,7 @@ class TwoPass final : public Integrator {
         solution_(pass_one.solution),
         field_(pass_one.field),
         guide_(pass_one.guide),
+        least_scatterings_(pass_one.gathers_twice ? 2 : 1),
         limits_(limits) {}
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
@@ -46,6 +48,7 @@ class TwoPass final : public Integrator {
   const Solution* solution_;
   const IndirectField* field_;
   const Guide* guide_;
+  int least_scatterings_;  // before the solution is read
   PathLimits limits_;
 };
 

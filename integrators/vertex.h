@@ -17,7 +17,9 @@ struct Carried {
   float last_pdf_w = 0.0f;
   Receiver last_receiver;  ///< the vertex that the ray left; set once last_was_specular is false
   bool last_was_specular = true;
-  bool gathers = false;        ///< its last direction but for mirrors and glass was drawn from a broad lobe
+  /// A direction was drawn from a broad lobe before: what the path sees is blurred, over sharp lobes, too.
+  bool gathers = false;
+  int scatterings = 0;         ///< other than at mirrors and glass
   int passed = 0;              ///< surfaces that it went straight through; no edge ends there
   float passed_length = 0.0f;  ///< from the last vertex to the last of them
   C3f expected{0.0f};          ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
@@ -137,6 +139,8 @@ class Vertex {
         sample_direct_light(*scene_, point_, *bsdf_, direction_, goes_on_ ? Rival::scattered_ray : Rival::none,
                             u_light_, share_ > 0.0f ? &guide_ : nullptr, share_);
     connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
+    if (without_diffuse_ && !is_black(connection.radiance))
+      connection.radiance *= glossy_share(unit(connection.segment.to - connection.segment.from));
     return connection;
   }
 
@@ -162,6 +166,10 @@ class Vertex {
           drawn->is_specular ? FirstScatter{C3f(0.0f), drawn->wi.z < 0.0f} : first_scatter_of(direction);
     Carried& carried = *carried_;
     carried.throughput *= drawn->weight * reached;
+    if (without_diffuse_ && !drawn->is_specular) {
+      carried.throughput *= glossy_share(direction);
+      if (is_black(carried.throughput)) return false;
+    }
     carried.relative_ior *= drawn->eta;
     carried.last_pdf_w = drawn->pdf_w;
     carried.last_was_specular = drawn->is_specular;
@@ -169,7 +177,8 @@ class Vertex {
     if (sample_->cone.is_open())
       sample_->cone = sample_->cone.scattered(distance_, drawn->pdf_w, drawn->is_specular);
     if (!drawn->is_specular) {
-      carried.gathers = drawn->pdf_w < broad_lobe_pdf_w;
+      carried.gathers = carried.gathers || drawn->pdf_w < broad_lobe_pdf_w;
+      ++carried.scatterings;
       carried.last_receiver = receiver_at(point_, *bsdf_);
     }
     next.origin = spawn_position(point_, direction);
@@ -190,6 +199,18 @@ class Vertex {
     const float ior = carried_->relative_ior;
     return survival_probability(max_component(carried_->throughput) * ior * ior);
   }
+  /// What the surface reflects diffusely along the path of light that comes evenly from all around, over that
+  /// light's radiance: an estimate, exact for Lambert's model. REQUIRES: not purely specular.
+  [[nodiscard]] C3f diffuse_albedo() {
+    if (const auto* diffuse = std::get_if<Diffuse>(bsdf_)) return diffuse->reflectance;
+    const V3f wi = square_to_cosine_hemisphere(sample_->sampler.next_2d());
+    const float pdf_w = cosine_hemisphere_pdf_w(wi.z);
+    if (!(pdf_w > 0.0f)) return C3f(0.0f);
+    return eval_diffuse(*bsdf_, point_.shading.to_local(-direction_), wi) * (1.0f / pdf_w);
+  }
+  /// The path goes on with what the surface scatters otherwise than diffusely alone.
+  void leave_out_diffuse() { without_diffuse_ = true; }
+
   /// Scales what the path will add from here on; the integrator has played roulette, leave() will not.
   void settle(float scale) {
     carried_->throughput *= scale;
@@ -207,6 +228,8 @@ class Vertex {
   /// Whether what is seen here is blurred by the lobe that led here, with or without mirrors and glass in
   /// between.
   [[nodiscard]] bool gathers() const { return carried_->gathers; }
+  /// How often the path has been scattered other than by mirrors and glass.
+  [[nodiscard]] int scatterings() const { return carried_->scatterings; }
 
  private:
   void see_first(bool hidden) {
@@ -220,7 +243,8 @@ class Vertex {
   }
   void add_to_layers(const C3f& radiance, const Irradiance& irradiance, LookUp look_up) {
     SampleLayers& layers = *sample_->layers;
-    layers.looked_up = layers.looked_up || (look_up == LookUp::field && !carried_->gathers);
+    layers.looked_up = layers.looked_up || (look_up == LookUp::field && carried_->scatterings == 0);
+    layers.gathered = layers.gathered || (look_up == LookUp::element && carried_->scatterings == 1);
     const C3f total = irradiance.total();
     C3f direct(0.0f);
     for (int c = 0; c < 3; ++c)
@@ -250,6 +274,12 @@ class Vertex {
     return is_black(diffuse_reflectance(*bsdf_)) ? 0.0f : share_of_mixed;
   }
 
+  // Of what the surface sends along the path from a direction, the part that is not reflected diffusely.
+  [[nodiscard]] C3f glossy_share(const V3f& direction) const {
+    return C3f(1.0f) -
+           diffuse_share(*bsdf_, point_.shading.to_local(-direction_), point_.shading.to_local(direction));
+  }
+
   bool survives() {
     const float probability = survival();
     if (sample_->sampler.next_1d() >= probability) return false;
@@ -274,7 +304,7 @@ class Vertex {
   V3f direction_;  // of the edge that led here
   int edges_;
   float distance_;
-  bool samples_lights_, goes_on_, has_settled_ = false;
+  bool samples_lights_, goes_on_, has_settled_ = false, without_diffuse_ = false;
   float share_ = 0.0f;  // of the guide
   Guide::Lobe guide_;
   V2f u_light_, u_direction_;

@@ -46,7 +46,25 @@ struct SpecularAlbedo {
   }
 };
 
+// Reflects diffusely and in no other way, or not at all.
+bool is_all_diffuse(const Bsdf& bsdf) {
+  return std::holds_alternative<Diffuse>(bsdf) || std::holds_alternative<RoughDiffuse>(bsdf) ||
+         std::holds_alternative<Null>(bsdf);
+}
+
+bool is_more_than_diffuse(const MaterialNode& node) {
+  if (const auto* model = std::get_if<TexturedModel>(&node.kind)) return !is_all_diffuse(model->bsdf);
+  if (const auto* mixture = std::get_if<Mixture>(&node.kind))
+    return is_more_than_diffuse(*mixture->first) || is_more_than_diffuse(*mixture->second);
+  if (const auto* bump = std::get_if<BumpMap>(&node.kind)) return is_more_than_diffuse(*bump->nested);
+  return is_more_than_diffuse(*std::get<NormalMap>(node.kind).nested);
+}
+
 }  // namespace
+
+bool is_more_than_diffuse(const MaterialSide& side) {
+  return side.is_uniform() ? !is_all_diffuse(side.uniform()) : is_more_than_diffuse(*side.node());
+}
 
 C3f albedo(const Bsdf& bsdf) {
   const C3f sum = diffuse_reflectance(bsdf) + std::visit(SpecularAlbedo{}, bsdf);

@@ -1,8 +1,8 @@
-// What of a scattering model is diffuse, and what colour it has: for the layers of a picture, which carry no
-// light from one surface to another.
+// What of a scattering model is diffuse, and what colour it has: for the layers of a picture, and for a
+// solution that holds diffuse light.
 #pragma once
 
-#include "materials/bsdf.h"
+#include "materials/material.h"
 
 namespace twopass {
 
@@ -26,6 +26,9 @@ inline C3f diffuse_share(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
     if (all[c] > 0.0f) share[c] = std::clamp(diffuse[c] / all[c], 0.0f, 1.0f);
   return share;
 }
+
+/// Whether the side scatters otherwise than diffusely, somewhere; with or without doing that, too.
+bool is_more_than_diffuse(const MaterialSide& side);
 
 /// About what the surface returns of white light, in [0, 1]: the colour that a denoiser or a compositor takes
 /// for that of the surface. Diffuse albedo plus the reflectance of mirrors and coats at normal incidence; glass

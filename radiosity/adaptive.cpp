@@ -61,13 +61,17 @@ std::vector<double> misplaced_power(const ElementMesh& mesh, std::span<const Irr
 }
 
 std::vector<bool> elements_to_split(const ElementMesh& mesh, std::span<const Irradiance> irradiance,
-                                    std::span<const double> seen, std::size_t most, double negligible) {
+                                    std::span<const double> seen, std::size_t most, double negligible,
+                                    std::span<const double> importance) {
   double total = 0.0;
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     total += mesh.area(i) * brightest(mesh.reflectance(i) * irradiance[i].total());
   std::vector<double> gain(mesh.count(), 0.0);
   for_each_range(mesh, irradiance, [&](std::uint32_t i, const Range& range) {
-    if (total > 0.0) gain[i] = power_in(mesh, i, range) / total;
+    if (!importance.empty())
+      gain[i] = importance[i] * brightest(mesh.reflectance(i) * (range.high - range.low));
+    else if (total > 0.0)
+      gain[i] = power_in(mesh, i, range) / total;
     if (!seen.empty()) gain[i] += seen_in(seen[i], range);
   });
   std::vector<std::uint32_t> order(mesh.count());

@@ -16,9 +16,11 @@ std::vector<double> misplaced_power(const ElementMesh& mesh, std::span<const Irr
 
 /// Chooses the elements that gain most by being split, at most `most`: their gain is the part of the total
 /// power that they misplace, and, where a picture is known of which the elements are the parts `seen` (empty:
-/// no picture), those parts times the contrast on them (R44). None of those that together gain less than
+/// no picture), those parts times the contrast on them (R44), and in place of the power what it means to the
+/// picture (R46), if `importance` says so. None of those that together gain less than
 /// `negligible`. Equals are chosen in the order of elements.
 std::vector<bool> elements_to_split(const ElementMesh& mesh, std::span<const Irradiance> irradiance,
-                                    std::span<const double> seen, std::size_t most, double negligible);
+                                    std::span<const double> seen, std::size_t most, double negligible,
+                                    std::span<const double> importance = {});
 
 }  // namespace twopass

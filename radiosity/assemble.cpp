@@ -80,20 +80,22 @@ class Enforcement {
   bool by_rays_;  // its sums are no better than what the survey's rays say
 };
 
-// Keeps the bound where media of different index amplify radiance: no row's sum, specular links included,
-// above 1.
+// Keeps the bound (R16) where media of different index amplify radiance: under white light everywhere, no
+// element receives back more than the largest albedo, specular links included.
 void cap_specular_links(Balance& balance) {
   if (balance.specular.first.empty()) return;
-  const std::vector<double> direct = row_sums(balance.exchange);
+  const std::vector<C3d> white(balance.reflectance.begin(), balance.reflectance.end());
   for (std::uint32_t i = 0; i < balance.count(); ++i) {
     if (!(balance.area[i] > 0.0)) continue;
-    const double room = std::max(0.0, 1.0 - direct[i] / balance.area[i]);
+    const C3d direct = balance.gather_directly(i, white);
     C3d sum(0.0);
-    for (const SpecularLink& link : balance.specular.of(i)) sum += C3d(link.weight);
-    const double largest = std::max({sum.x, sum.y, sum.z});
-    if (largest <= room) continue;
-    for (std::size_t k = balance.specular.first[i]; k < balance.specular.first[i + 1]; ++k)
-      balance.specular.link[k].weight *= static_cast<float>(room / largest);
+    for (const SpecularLink& link : balance.specular.of(i)) sum += white[link.element] * C3d(link.weight);
+    for (int c = 0; c < 3; ++c) {
+      const double room = std::max(0.0, static_cast<double>(largest_reflectance) - direct[c]);
+      if (sum[c] <= room) continue;
+      for (std::size_t k = balance.specular.first[i]; k < balance.specular.first[i + 1]; ++k)
+        balance.specular.link[k].weight[c] *= static_cast<float>(room / sum[c]);
+    }
   }
 }
 
@@ -109,8 +111,10 @@ ExchangeMatrix exchange_by(FormFactorMethod method, const Scene& scene, const El
 void add_sky_and_caustics(std::vector<C3d>& direct, const Scene& scene, const ElementMesh& mesh,
                           const RaySurvey& survey, std::uint32_t seed, std::uint64_t& rays) {
   for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += C3d(survey.sky[i]);
-  if (survey.met_specular == 0) return;
-  const std::size_t paths = std::max(least_caustic_paths, std::size_t{survey.rays_per_element} * mesh.count());
+  if (survey.met_specular == 0 && !survey.met_gloss) return;
+  // What glossy lobes beside diffuse ones reflect is weak and wide.
+  const std::size_t paths = std::max(survey.met_specular == 0 ? std::size_t{1} : least_caustic_paths,
+                                     std::size_t{survey.rays_per_element} * mesh.count());
   const std::vector<C3d> caustics = caustic_irradiance(scene, mesh, paths, seed, rays);
   for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += caustics[i];
 }

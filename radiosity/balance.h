@@ -45,6 +45,8 @@ struct Balance {
   [[nodiscard]] C3d gather_directly(std::uint32_t i, std::span<const C3d> radiosity) const;
   /// (F B)_i: the irradiance at element i from elements of the given radiosity.
   [[nodiscard]] C3d gather(std::uint32_t i, std::span<const C3d> radiosity) const;
+  /// The same of all elements.
+  [[nodiscard]] std::vector<C3d> gather_all_directly(std::span<const C3d> radiosity) const;
   /// (F B) of all elements.
   [[nodiscard]] std::vector<C3d> gather_all(std::span<const C3d> radiosity) const;
 };

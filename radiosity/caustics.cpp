@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "materials/lobes.h"
 #include "radiosity/specular_path.h"
 #include "render/core/distribution.h"
 #include "render/core/interrupt.h"
@@ -16,18 +17,21 @@ namespace {
 struct Source {
   Patch patch;
   C3f radiance;
+  bool varies;  // radiance is the mean over the surface
 };
 
 struct Deposit {
   std::uint32_t element;
   C3f power;
 };
+using Deposits = std::vector<Deposit>;
 
 void add_sources(std::vector<Source>& sources, const Shape& shape, Side side) {
   const C3f& radiance = shape.radiance[side];
   if (is_black(radiance)) return;
   for (std::uint32_t i = 0; i < piece_count(shape.geometry); ++i)
-    sources.push_back({piece_patch(shape.geometry, i, side), radiance});
+    sources.push_back(
+        {piece_patch(shape.geometry, i, side), radiance, side == front && shape.radiance_texture});
 }
 
 class Shooter {
@@ -43,8 +47,8 @@ class Shooter {
 
   [[nodiscard]] bool empty() const { return choice_.empty(); }
 
-  // Where particle k ends, if it has met a specular surface and then an element.
-  [[nodiscard]] std::optional<Deposit> shoot(std::uint32_t k, std::uint64_t& rays) const {
+  // Adds the elements that particle k comes to over specular surfaces and glossy lobes.
+  void shoot(std::uint32_t k, Deposits& deposits, std::uint64_t& rays) const {
     Sampler sampler(seed_, 0, k);
     const V2f u = sampler.next_2d();
     const auto choice = choice_.sample(u.x);
@@ -54,20 +58,30 @@ class Shooter {
     const Ray ray{start.ray_position(), direction};
     const Hit hit = scene_.caster().intersect(ray);
     ++rays;
-    if (hit.escaped()) return std::nullopt;
+    if (hit.escaped()) return;
     const SurfacePoint point = scene_.surface_point(ray, hit);
-    if (!scene_.side(point).scatters_without_diffusing()) return std::nullopt;
-    const SpecularPathEnd end = follow_specular(scene_, ray, point, Carried::power, sampler);
-    rays += end.rays;
-    if (end.escaped || is_black(end.weight)) return std::nullopt;
-    const std::uint32_t element = mesh_.find(end.point);
-    if (element == no_index) return std::nullopt;
+    if (!is_more_than_diffuse(scene_.side(point))) return;
     const auto share =
         static_cast<float>(pi * source.patch.area / (choice.probability * static_cast<double>(paths_)));
-    return Deposit{element, source.radiance * end.weight * share};
+    const C3f radiance = source.varies ? radiance_at(start, rays) : source.radiance;
+    SpecularPath path(scene_, ray, point, Carried::power, sampler);
+    while (path.next()) {
+      if (path.end().escaped) break;
+      const std::uint32_t element = mesh_.find(path.end().point);
+      if (element != no_index) deposits.push_back({element, radiance * path.end().weight * share});
+    }
+    rays += path.rays();
   }
 
  private:
+  // What the surface under the point emits.
+  [[nodiscard]] C3f radiance_at(const ElementPoint& start, std::uint64_t& rays) const {
+    const Ray down{start.ray_position(), V3f(-start.normal)};
+    const Hit hit = scene_.caster().intersect(down);
+    ++rays;
+    return hit.escaped() ? C3f(0.0f) : scene_.emitted_radiance(scene_.surface_point(down, hit));
+  }
+
   const Scene& scene_;
   const ElementMesh& mesh_;
   std::size_t paths_;
@@ -85,19 +99,18 @@ std::vector<C3d> caustic_irradiance(const Scene& scene, const ElementMesh& mesh,
   if (shooter.empty()) return irradiance;
   // Deposits are kept by piece of work and added up in its order: the same sums on any number of threads.
   constexpr std::size_t piece = 4096;
-  std::vector<std::vector<Deposit>> deposits((paths + piece - 1) / piece);
+  std::vector<Deposits> deposits((paths + piece - 1) / piece);
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(deposits.size(), 1, [&](std::size_t begin, std::size_t end) {
     throw_if_interrupted();
     std::uint64_t own_rays = 0;
     for (std::size_t p = begin; p < end; ++p)
       for (std::size_t k = p * piece; k < std::min(paths, (p + 1) * piece); ++k)
-        if (const auto deposit = shooter.shoot(static_cast<std::uint32_t>(k), own_rays))
-          deposits[p].push_back(*deposit);
+        shooter.shoot(static_cast<std::uint32_t>(k), deposits[p], own_rays);
     rays_cast += own_rays;
   });
   rays += rays_cast;
-  for (const std::vector<Deposit>& list : deposits)
+  for (const Deposits& list : deposits)
     for (const Deposit& deposit : list)
       if (mesh.area(deposit.element) > 0.0)
         irradiance[deposit.element] += C3d(deposit.power) * (1.0 / mesh.area(deposit.element));

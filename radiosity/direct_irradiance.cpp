@@ -22,14 +22,15 @@ struct Emitter {
   bool is_element;
 };
 
-// The emitting sides of triangles, or nothing if analytic surfaces emit or there are too many.
+// The emitting sides of triangles, or nothing if analytic surfaces emit, if what is emitted varies over a
+// surface, or if there are too many.
 std::vector<Emitter> analytic_emitters(const Scene& scene, const ElementMesh& mesh) {
   std::vector<Emitter> emitters;
   for (std::uint32_t s = 0; s < scene.shapes().size(); ++s) {
     const Shape& shape = scene.shapes()[s];
     if (!is_emitter(shape)) continue;
     const Mesh* triangles = mesh_of(shape.geometry);
-    if (!triangles || triangles->triangles.size() > most_analytic_emitters) return {};
+    if (!triangles || shape.radiance_texture || triangles->triangles.size() > most_analytic_emitters) return {};
     for (const Side side : {front, back}) {
       if (is_black(shape.radiance[side])) continue;
       for (std::uint32_t i = 0; i < triangles->triangles.size(); ++i) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "radiosity/local_albedo.h"
+#include "render/core/parallel.h"
 #include "render/scene/geometry.h"
 
 namespace twopass {
@@ -66,15 +68,11 @@ ElementCell child_cell(const ElementCell& cell, int child) {
 ElementMesh::ElementMesh(std::span<const Shape> shapes, std::span<const Material> materials,
                          std::vector<ElementRoot> roots, std::span<const std::uint32_t> cluster_of_root)
     : shapes_(shapes),
+      materials_(materials),
       first_root_(shapes.size(), {no_index, no_index}),
-      reflectance_(shapes.size()),
       is_analytic_(shapes.size(), 0),
       roots_(std::move(roots)) {
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    for (const Side side : {front, back})
-      reflectance_[s][side] = materials[shapes[s].material].side[side].traits().mean_diffuse_reflectance;
-    is_analytic_[s] = twopass::is_analytic(shapes[s].geometry);
-  }
+  for (std::size_t s = 0; s < shapes.size(); ++s) is_analytic_[s] = twopass::is_analytic(shapes[s].geometry);
   for (std::uint32_t r = 0; r < roots_.size(); ++r) {
     std::uint32_t& base = first_root_[roots_[r].shape][roots_[r].side];
     if (base == no_index) base = r;
@@ -145,6 +143,34 @@ void ElementMesh::measure() {
     }
     area_[element] = static_cast<float>(sum);
   }
+  find_reflectances();
+}
+
+void ElementMesh::find_reflectances() {
+  reflectance_.resize(place_.size());
+  parallel_for(place_.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (auto element = static_cast<std::uint32_t>(begin); element < end; ++element) {
+      const ElementRoot& first = root(element);
+      const Shape& shape = shapes_[first.shape];
+      const MaterialSide& side = materials_[shape.material].side[first.side];
+      C3f& reflectance = reflectance_[element];
+      if (side.is_uniform()) {
+        reflectance = side.traits().mean_diffuse_reflectance;
+      } else if (!is_cluster(element)) {
+        reflectance = mean_albedo(shape, side, first, cell(element));
+      } else {
+        // Members are of one material, but may be of several shapes.
+        C3d sum(0.0);
+        double area = 0.0;
+        for (const std::uint32_t m : members(element)) {
+          const double part = root_patch(roots_[m]).area;
+          sum += C3d(mean_albedo(shapes_[roots_[m].shape], side, roots_[m], {0, 0, false, 1})) * part;
+          area += part;
+        }
+        reflectance = area > 0.0 ? C3f(sum / area) : side.traits().mean_diffuse_reflectance;
+      }
+    }
+  });
 }
 
 ElementMesh ElementMesh::split(const std::vector<bool>& chosen) const {
@@ -394,7 +420,7 @@ void ElementMesh::expose(std::span<const float> fraction) {
 
 std::size_t ElementMesh::memory_bytes() const {
   return roots_.size() * sizeof(ElementRoot) + count() * (sizeof(Place) + sizeof(float)) +
-         shapes_.size() * (sizeof(first_root_[0]) + sizeof(reflectance_[0])) +
+         count() * sizeof(reflectance_[0]) + shapes_.size() * sizeof(first_root_[0]) +
          (cells_.size() + first_member_.size() + member_.size() + member_share_.size()) * sizeof(std::uint32_t);
 }
 

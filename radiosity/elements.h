@@ -15,8 +15,8 @@ namespace twopass {
 /// The side of a triangle, or of a piece of an analytic surface (pieces.h). Either it is cut into divisions^2
 /// cells by lines parallel to its edges, each cell perhaps again into four, and so on (on a sphere: the flat
 /// triangle below the octant, projected from the centre, so that edges are great circles; on disks and
-/// cylinders: the triangle of parameters, so that cells are of equal area); or it is smaller than an element and
-/// part of a cluster.
+/// cylinders: the triangle of parameters, so that cells are of equal area); or it is smaller than an element
+/// and part of a cluster.
 struct ElementRoot {
   std::uint32_t shape;
   std::uint32_t primitive;  ///< triangle of the mesh; piece of the analytic surface
@@ -106,11 +106,8 @@ class ElementMesh {
   [[nodiscard]] double area(std::uint32_t element) const { return area_[element]; }
   /// sqrt(area).
   [[nodiscard]] float size(std::uint32_t element) const { return std::sqrt(area_[element]); }
-  /// Albedo of the diffuse part, in [0, 1].
-  [[nodiscard]] const C3f& reflectance(std::uint32_t element) const {
-    const ElementRoot& r = root(element);
-    return reflectance_[r.shape][r.side];
-  }
+  /// Mean albedo of the diffuse part over the element, in [0, 1].
+  [[nodiscard]] const C3f& reflectance(std::uint32_t element) const { return reflectance_[element]; }
 
   /// How many elements are clusters: the last ones.
   [[nodiscard]] std::size_t cluster_count() const {
@@ -147,7 +144,7 @@ class ElementMesh {
   /// REQUIRES: !is_cluster(element).
   [[nodiscard]] ElementCell cell(std::uint32_t element) const;
   [[nodiscard]] std::span<const Shape> shapes() const { return shapes_; }
-  /// Of the elements: what an element takes beyond the scene, 12 bytes, and 20 for each triangle side.
+  /// Of the elements: what an element takes beyond the scene, 24 bytes, and 20 for each triangle side.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -161,14 +158,15 @@ class ElementMesh {
   [[nodiscard]] bool refine(const std::vector<std::uint8_t>& level);
   void index_cells();
   void measure();
+  void find_reflectances();
   [[nodiscard]] Location find_in_root(std::uint32_t root_index, float u, float v) const;
   [[nodiscard]] Location find_on_surface(std::uint32_t base, const SurfacePoint& point) const;
   [[nodiscard]] Patch root_patch(const ElementRoot& root) const;
   [[nodiscard]] Patch cell_patch(const ElementRoot& root, const ElementCell& cell) const;
 
   std::span<const Shape> shapes_;
+  std::span<const Material> materials_;
   std::vector<std::array<std::uint32_t, 2>> first_root_;  // by shape and side; no_index: no elements
-  std::vector<std::array<C3f, 2>> reflectance_;           // by shape and side
   std::vector<std::uint8_t> is_analytic_;                 // by shape
   std::vector<ElementRoot> roots_;
   std::vector<std::uint32_t> cells_;  // of refined roots: an element, or the first of four cells | refined
@@ -177,6 +175,7 @@ class ElementMesh {
   std::vector<float> member_share_;          // by member: the part of the cluster's area up to and with it
   std::vector<Place> place_;                 // by element
   std::vector<float> area_;                  // by element
+  std::vector<C3f> reflectance_;             // by element
 };
 
 /// Points of one element, many times: finds out once what they have in common. REQUIRES: the mesh outlives it.

@@ -5,11 +5,13 @@
 
 namespace twopass {
 
-/// By how much one reflection shrinks any difference of radiosities, per channel, in two norms. Both are below
-/// one when the form factors of an element add up to at most one.
+/// By how much one reflection shrinks any difference of radiosities, per channel, in three norms. The first two
+/// are below one when the form factors of an element add up to at most one; the third where glossy lobes add to
+/// them, too, as long as no surface reflects more than it receives.
 struct Contraction {
   C3d by_maximum{0.0};  ///< of the largest value: the largest rho_i Sum_j F_ij
   C3d by_power{0.0};    ///< of the sum of area x value: the largest Sum_i A_i rho_i F_ij / A_j
+  C3d by_irradiance{std::numeric_limits<double>::infinity()};  ///< of value / rho: the largest Sum_j F_ij rho_j
 };
 
 Contraction contraction(const Balance& balance);

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <mutex>
 
 #include "render/core/types.h"
 
@@ -80,25 +81,19 @@ GaussRule make_jacobi(int n) {
   return rule;
 }
 
-template <class Make>
-std::array<GaussRule, GaussRule::max_points> make_table(const Make& make) {
-  std::array<GaussRule, GaussRule::max_points> table;
-  for (int n = 1; n <= GaussRule::max_points; ++n) table[n - 1] = make(n);
-  return table;
+// Rules that are made when they are first asked for: all of them together take 40 milliseconds.
+template <GaussRule (*make)(int)>
+const GaussRule& made_once(int n) {
+  static std::array<GaussRule, GaussRule::max_points> table;
+  static std::array<std::once_flag, GaussRule::max_points> once;
+  assert(n >= 1 && n <= GaussRule::max_points);
+  std::call_once(once[n - 1], [n] { table[n - 1] = make(n); });
+  return table[n - 1];
 }
 
 }  // namespace
 
-const GaussRule& gauss_legendre(int n) {
-  static const auto table = make_table(make_legendre);
-  assert(n >= 1 && n <= GaussRule::max_points);
-  return table[n - 1];
-}
-
-const GaussRule& gauss_jacobi(int n) {
-  static const auto table = make_table(make_jacobi);
-  assert(n >= 1 && n <= GaussRule::max_points);
-  return table[n - 1];
-}
+const GaussRule& gauss_legendre(int n) { return made_once<make_legendre>(n); }
+const GaussRule& gauss_jacobi(int n) { return made_once<make_jacobi>(n); }
 
 }  // namespace twopass

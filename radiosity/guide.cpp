@@ -6,6 +6,7 @@
 #include <compare>
 #include <numeric>
 
+#include "materials/lobes.h"
 #include "radiosity/specular_path.h"
 #include "render/core/distribution.h"
 #include "render/core/parallel.h"
@@ -271,12 +272,19 @@ class Guide::Builder {
   // Without what next-event estimation finds: what emitters and sky send straight.
   C3f radiance_of(const Ray& ray, const Hit& hit, Sampler& sampler, std::uint64_t& rays) const {
     const SurfacePoint point = scene_.surface_point(ray, hit);
-    if (!scene_.side(point).scatters_without_diffusing()) return reflected(mesh_.find(point));
-    const SpecularPathEnd end = follow_specular(scene_, ray, point, Carried::radiance, sampler);
-    rays += end.rays;
-    if (is_black(end.weight)) return C3f(0.0f);
-    if (end.escaped) return end.weight * scene_.environment().radiance(end.direction);
-    return end.weight * (scene_.emitted_radiance(end.point) + reflected(mesh_.find(end.point)));
+    C3f sum = reflected(mesh_.find(point));
+    if (!is_more_than_diffuse(scene_.side(point))) return sum;
+    SpecularPath path(scene_, ray, point, Carried::radiance, sampler);
+    while (path.next()) {
+      const SpecularPathEnd& end = path.end();
+      if (end.escaped) {
+        sum += end.weight * scene_.environment().radiance(end.direction);
+        break;
+      }
+      sum += end.weight * (scene_.emitted_radiance(end.point) + reflected(mesh_.find(end.point)));
+    }
+    rays += path.rays();
+    return sum;
   }
 
   [[nodiscard]] C3f reflected(std::uint32_t element) const {

@@ -33,8 +33,13 @@ struct Gathered {
   C3d irradiance{0.0};
   double brightness2 = 0.0;       // squared brightness of each ray
   double inverse_distance = 0.0;  // of what they met
-  bool sees_caustic = false;      // light came over specular surfaces straight from a lamp
+  C3d caustic{0.0};               // of the irradiance: light straight from lamps over specular surfaces
 
+  // Rays find caustics by chance: what is more than a trace of them is left to gather rays, which are many.
+  [[nodiscard]] bool sees_caustic(double direct) const {
+    constexpr double trace = 0.02;
+    return brightness(caustic) > trace * (direct * rays + brightness(irradiance));
+  }
   [[nodiscard]] C3d mean() const { return rays == 0 ? C3d(0.0) : irradiance / static_cast<double>(rays); }
   // Standard error of the mean's brightness, as if the rays were independent: stratified ones are better.
   [[nodiscard]] double noise() const {
@@ -83,13 +88,16 @@ class Gathering {
                             std::uint64_t& rays) const {
     const auto fan = fans_.of(vertex);
     if (fan.empty()) return {};
-    return gather(direct, options, [&](std::uint32_t k, Gathered& sum) {
-      const auto& [face, corner] = fan[k % fan.size()];
+    std::vector<Start> starts;
+    for (const auto& [face, corner] : fan) {
       const std::array<std::uint32_t, 3>& at = vertices_.faces().corner[face];
-      const std::array<V3d, 3> part{position(at[corner]), position(at[(corner + 1) % 3]),
-                                    position(at[(corner + 2) % 3])};
+      starts.push_back(
+          start(face, {position(at[corner]), position(at[(corner + 1) % 3]), position(at[(corner + 2) % 3])},
+                near_corner));
+    }
+    return gather(direct, options, [&](std::uint32_t k, Gathered& sum) {
       Sampler sampler(options.seed, vertex, k);
-      add_ray(face, part, near_corner, sampler, sum, rays);
+      add_ray(starts[k % starts.size()], sampler, sum, rays);
     });
   }
 
@@ -100,10 +108,32 @@ class Gathering {
     std::array<V3d, 3> part{position(at[0]), position(at[1]), position(at[2])};
     const V3d middle = (part[0] + part[1] + part[2]) / 3.0;
     for (V3d& corner : part) corner = (corner + middle) * 0.5;
+    const Start from = start(face, part, 1.0f);
     return gather(direct, options, [&](std::uint32_t k, Gathered& sum) {
       Sampler sampler(~options.seed, face, k);
-      add_ray(face, part, 1.0f, sampler, sum, rays);
+      add_ray(from, sampler, sum, rays);
     });
+  }
+
+  // Whether something stands across the face, a wall between its corners: then light is different on both
+  // sides, however alike it is at the corners.
+  [[nodiscard]] bool is_crossed(std::uint32_t face, std::uint64_t& rays) const {
+    constexpr double inset = 0.1, height = 0.01;  // of the way to the middle; of the longest edge
+    const std::array<std::uint32_t, 3>& at = vertices_.faces().corner[face];
+    const std::array<V3d, 3> corner{position(at[0]), position(at[1]), position(at[2])};
+    const V3d middle = (corner[0] + corner[1] + corner[2]) / 3.0;
+    double longest = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, (corner[(k + 1) % 3] - corner[k]).length());
+    const Patch patch = mesh_.patch(face);
+    const V3d above = patch.normal * (height * longest + static_cast<double>(patch.offset));
+    const auto inner = [&](std::size_t k) { return V3f(corner[k] + (middle - corner[k]) * inset + above); };
+    for (std::size_t k = 0; k < 3; ++k) {
+      rays += 2;
+      if (scene_.caster().occluded(inner(k), inner((k + 1) % 3)) ||
+          scene_.caster().occluded(inner(k), V3f(middle + above)))
+        return true;
+    }
+    return false;
   }
 
  private:
@@ -125,36 +155,64 @@ class Gathering {
     return sum;
   }
 
-  // A ray from the face, out of the part of a triangle that lies within `reach` of its first corner.
-  void add_ray(std::uint32_t face, const std::array<V3d, 3>& part, float reach, Sampler& sampler, Gathered& sum,
-               std::uint64_t& rays) const {
-    if (!can_gather_at(face)) return;
+  // Where rays start: on a face, out of the part of a triangle that lies near its first corner.
+  struct Start {
+    bool is_there;
+    V3d corner, edge1, edge2, normal;
+    float offset, size;
+    Frame frame;
+  };
+  [[nodiscard]] Start start(std::uint32_t face, const std::array<V3d, 3>& part, float reach) const {
     const Patch patch = mesh_.patch(face);
-    const V2f p = square_to_triangle(sampler.next_2d()) * reach;
-    const ElementPoint start{part[0] + (part[1] - part[0]) * static_cast<double>(p.x) +
-                                 (part[2] - part[0]) * static_cast<double>(p.y),
-                             patch.normal, patch.offset};
-    const V3f normal(patch.normal);
-    const Ray ray{start.ray_position(), Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
-    const Landing landing = element_rays_.cast(ray, normal, mesh_.size(face), sampler, rays);
+    return {can_gather_at(face),
+            part[0],
+            (part[1] - part[0]) * static_cast<double>(reach),
+            (part[2] - part[0]) * static_cast<double>(reach),
+            patch.normal,
+            patch.offset,
+            mesh_.size(face),
+            Frame(V3f(patch.normal))};
+  }
+
+  void add_ray(const Start& from, Sampler& sampler, Gathered& sum, std::uint64_t& rays) const {
+    if (!from.is_there) return;
+    const V2f p = square_to_triangle(sampler.next_2d());
+    const ElementPoint start{
+        from.corner + from.edge1 * static_cast<double>(p.x) + from.edge2 * static_cast<double>(p.y),
+        from.normal, from.offset};
+    const V3f normal(from.normal);
+    const Ray ray{start.ray_position(), from.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
+    const Landing landing = element_rays_.cast(ray, normal, from.size, sampler, rays);
     if (landing.kind == Landing::buried) return;
     ++sum.rays;
     if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
     C3d found(0.0);
     if (landing.kind == Landing::on_element) found = radiosity_[landing.element];
-    if (landing.kind == Landing::on_specular) {
-      const SpecularPathEnd end = follow_specular(scene_, ray, landing.point, Carried::radiance, sampler);
-      rays += end.rays;
-      if (is_black(end.weight)) return;
-      const C3f lamp =
-          end.escaped ? scene_.environment().radiance(end.direction) : scene_.emitted_radiance(end.point);
-      sum.sees_caustic = sum.sees_caustic || !is_black(end.weight * lamp);
-      const std::uint32_t element = end.escaped ? no_index : mesh_.find(end.point);
-      if (element != no_index) found = C3d(end.weight) * radiosity_[element];
-    }
+    if (landing.goes_on) found += over_specular(ray, landing, sampler, sum.caustic, rays);
     sum.irradiance += found;
     const double b = brightness(found);
     sum.brightness2 += b * b;
+  }
+
+  // pi times the radiance that elements send over mirrors, glass and glossy lobes; that of lamps into
+  // `caustic`, too.
+  [[nodiscard]] C3d over_specular(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
+                                  std::uint64_t& rays) const {
+    C3d found(0.0);
+    SpecularPath path(scene_, ray, landing.point, Carried::radiance, sampler);
+    while (path.next()) {
+      const SpecularPathEnd& end = path.end();
+      const C3f lamp =
+          end.escaped ? scene_.environment().radiance(end.direction) : scene_.emitted_radiance(end.point);
+      const C3d of_lamp = C3d(end.weight * lamp) * pi;
+      caustic += of_lamp;
+      found += of_lamp;
+      if (end.escaped) break;
+      if (const std::uint32_t element = mesh_.find(end.point); element != no_index)
+        found += C3d(end.weight) * radiosity_[element];
+    }
+    rays += path.rays();
+    return found;
   }
 
   const Scene& scene_;
@@ -180,7 +238,7 @@ Doubt doubt_of(const ElementMesh& mesh, std::uint32_t face, const VertexMesh& ve
   double longest = 0.0, nearness = 0.0, noise = 0.0, low = no_trust, high = 0.0, direct = no_trust;
   for (std::size_t k = 0; k < 3; ++k) {
     const Gathered& g = gathered[at[k]];
-    if (g.rays == 0 || g.sees_caustic) return never;
+    if (g.rays == 0 || g.sees_caustic(brightness(C3d(smooth[at[k]].direct)))) return never;
     const V3d edge = V3d(vertices.position(at[(k + 1) % 3])) - V3d(vertices.position(at[k]));
     longest = std::max(longest, edge.length());
     nearness = std::max(nearness, g.inverse_distance / g.rays);
@@ -236,7 +294,7 @@ Gathered between(const Gathered& a, const Gathered& b, double t) {
   g.irradiance = (a.mean() * (1.0 - t) + b.mean() * t) * n;
   g.brightness2 = brightness(g.mean()) * brightness(g.mean()) * n;
   if (g.rays > 0) g.inverse_distance = n * std::max(a.inverse_distance / a.rays, b.inverse_distance / b.rays);
-  g.sees_caustic = a.sees_caustic || b.sees_caustic;
+  if (g.rays > 0) g.caustic = (a.caustic / a.rays * (1.0 - t) + b.caustic / b.rays * t) * n;
   return g;
 }
 
@@ -248,20 +306,30 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
   const std::vector<Irradiance> smooth = vertex_irradiance(vertices, *mesh_, solution.irradiances());
   const Gathering gathering(scene, solution, vertices);
   std::vector<Gathered> gathered(vertices.count());
-  std::vector<std::uint8_t> hangs(vertices.count(), 0);
-  for (const VertexMesh::Hanging& h : vertices.hanging()) hangs[h.vertex] = 1;
+  const auto faces = static_cast<std::uint32_t>(vertices.faces().cells);
+  const auto is_wanted = [&](std::uint32_t face) { return options.wanted.empty() || options.wanted[face]; };
+  // Which vertices are gathered at: the corners of wanted faces, and in place of those that hang their ends.
+  std::vector<std::uint8_t> gathers(vertices.count(), 0), hangs(vertices.count(), 0);
+  for (std::uint32_t f = 0; f < faces; ++f)
+    if (is_wanted(f))
+      for (const std::uint32_t v : vertices.faces().corner[f]) gathers[v] = 1;
+  for (auto h = vertices.hanging().rbegin(); h != vertices.hanging().rend(); ++h) {
+    hangs[h->vertex] = 1;
+    if (gathers[h->vertex]) gathers[h->from] = gathers[h->to] = 1;
+  }
   std::atomic<std::uint64_t> rays{0};
   parallel_for(vertices.count(), 16, [&](std::size_t begin, std::size_t end) {
     throw_if_interrupted();
     std::uint64_t cast = 0;
     for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v)
-      if (!hangs[v]) gathered[v] = gathering.at(v, brightness(C3d(smooth[v].direct)), options, cast);
+      if (gathers[v] && !hangs[v])
+        gathered[v] = gathering.at(v, brightness(C3d(smooth[v].direct)), options, cast);
     rays += cast;
   });
   for (const VertexMesh::Hanging& h : vertices.hanging())
-    gathered[h.vertex] = between(gathered[h.from], gathered[h.to], static_cast<double>(h.t));
+    if (gathers[h.vertex])
+      gathered[h.vertex] = between(gathered[h.from], gathered[h.to], static_cast<double>(h.t));
 
-  const auto faces = static_cast<std::uint32_t>(vertices.faces().cells);
   const LampLight lamps(scene);
   value_.resize(faces);
   direct_.resize(faces, Corners{C3f(0.0f), C3f(0.0f), C3f(0.0f)});
@@ -269,11 +337,12 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
   // What (R40) doubts is looked at: its distances are those from corners, where walls that meet are always
   // near.
   const auto is_trusted = [&](std::uint32_t f, std::uint64_t& cast) {
+    if (gathering.is_crossed(f, cast)) return false;
     const Doubt doubt = doubt_of(*mesh_, f, vertices, gathered, smooth);
     if (doubt.error <= options.tolerance) return true;
     if (!std::isfinite(doubt.error)) return false;
     const Gathered middle = gathering.in_the_middle(f, doubt.least_direct, options, cast);
-    if (middle.rays == 0 || middle.sees_caustic) return false;
+    if (middle.rays == 0 || middle.sees_caustic(doubt.least_direct)) return false;
     C3d linear(0.0);
     for (const std::uint32_t v : vertices.faces().corner[f]) linear += gathered[v].mean() / 3.0;
     const C3d found = middle.mean(), off = linear - found;
@@ -284,6 +353,7 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
     throw_if_interrupted();
     std::uint64_t cast = 0;
     for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
+      if (!is_wanted(f)) continue;
       const std::array<std::uint32_t, 3>& corner = vertices.faces().corner[f];
       for (std::size_t k = 0; k < 3; ++k) value_[f][k] = C3f(gathered[corner[k]].mean());
       const bool trusted = is_trusted(f, cast);

@@ -17,6 +17,8 @@ struct IndirectFieldOptions {
   /// Largest error of direct light that is looked up, too (R43), relative to all the light there.
   double direct_tolerance = 0.005;
   bool with_direct = true;  ///< direct light is looked up at all
+  /// By element: false where nobody will look. Empty: they look everywhere.
+  std::vector<bool> wanted{};
   std::uint32_t least_rays = 64, most_rays = 512;
   std::uint32_t seed = 0;
 };

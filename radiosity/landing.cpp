@@ -1,5 +1,6 @@
 #include "radiosity/landing.h"
 
+#include "materials/lobes.h"
 #include "render/core/warp.h"
 
 namespace twopass {
@@ -20,10 +21,15 @@ Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler
   const SurfacePoint point = scene_.surface_point(ray, hit);
   if (is_covered(scene_, ray, hit, point, normal, size)) return {Landing::buried, no_index, {}, hit.t};
   const std::uint32_t element = mesh_.find(point);
-  if (element != no_index) return {Landing::on_element, element, {}, hit.t};
+  if (element != no_index) {
+    if (is_more_than_diffuse(scene_.side(point))) return {Landing::on_element, element, point, hit.t, true};
+    return {Landing::on_element, element, {}, hit.t};
+  }
   if (shows_inside(point))
-    return {is_inside_solid(ray, normal, sampler, rays) ? Landing::buried : Landing::on_black, no_index, {}, hit.t};
-  if (scene_.side(point).scatters_without_diffusing()) return {Landing::on_specular, no_index, point, hit.t};
+    return {
+        is_inside_solid(ray, normal, sampler, rays) ? Landing::buried : Landing::on_black, no_index, {}, hit.t};
+  if (scene_.side(point).scatters_without_diffusing())
+    return {Landing::on_specular, no_index, point, hit.t, true};
   const bool shines = !is_black(scene_.emitted_radiance(point));
   return {shines ? Landing::on_lamp : Landing::on_black, no_index, {}, hit.t};
 }

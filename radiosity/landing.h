@@ -20,14 +20,16 @@ struct Landing {
     on_element,
     on_lamp,      ///< an emitting side without elements
     on_black,     ///< another side without elements: it absorbs
-    on_specular,  ///< not an end but a continuation: see `follow_specular`
+    on_specular,  ///< not an end but a continuation: see `SpecularPath`
     in_the_sky,
     buried,  ///< the ray started under another surface, where no light comes: it does not count
   };
   Kind kind;
   std::uint32_t element = no_index;  ///< only on_element
-  SurfacePoint point;                ///< only on_specular
+  SurfacePoint point;                ///< only where the light goes on
   float distance = infinity_f;       ///< from the start; infinite in the sky
+  /// Light goes on from there otherwise than diffusely: on_specular, and on elements that are glossy, too.
+  bool goes_on = false;
 };
 
 /// Casts rays from elements. Const and thread-safe. REQUIRES: scene and mesh outlive it.

@@ -1,6 +1,7 @@
 #include "radiosity/ray_survey.h"
 
 #include <atomic>
+#include <optional>
 
 #include "radiosity/landing.h"
 #include "radiosity/specular_path.h"
@@ -16,6 +17,7 @@ namespace {
 struct Finding {
   std::vector<SpecularLink> links;
   C3d sky{0.0};  // sum over rays of what they carry from the sky, W/(m2 sr)
+  bool met_gloss = false;
 };
 
 constexpr double smallest_exposed = 1.0 / 16.0;
@@ -28,6 +30,7 @@ std::size_t count_exposed(std::span<const std::uint32_t> sorted) {
 // Counts of all elements together. Sums of integers, so the order of threads does not matter.
 struct Tally {
   std::atomic<std::uint64_t> lamp{0}, black{0}, specular{0}, sky{0}, rays{0};
+  std::atomic<bool> gloss{false};
 };
 
 // How the survey's list says it.
@@ -52,7 +55,12 @@ std::uint32_t code_of(const Landing& landing) {
 class ElementSurvey {
  public:
   ElementSurvey(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed)
-      : scene_(scene), mesh_(mesh), element_rays_(scene, mesh), seed_(seed) {}
+      : scene_(scene), mesh_(mesh), element_rays_(scene, mesh), seed_(seed) {
+    // Of an even sky, rays of their own would know no more.
+    const Environment& sky = scene.environment();
+    if (!sky.is_black() && !sky.constant())
+      sky_.emplace(std::span<const Shape>(), std::span<const PunctualLight>(), sky, scene.bounds());
+  }
 
   // Casts the rays of an element and writes their landings, sorted.
   Finding run(std::uint32_t element, std::span<std::uint32_t> landings, std::uint64_t& rays) const {
@@ -68,6 +76,7 @@ class ElementSurvey {
       const ElementPoint start = sample(sampler.next_2d());
       const V3f direction = Frame(V3f(start.normal)).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
       landings[k] = cast({start.ray_position(), direction}, V3f(start.normal), size, sampler, finding, rays);
+      if (sky_ && landings[k] != RaySurvey::buried) sample_sky(start, sampler, finding, rays);
     }
     std::sort(landings.begin(), landings.end());
     const auto exposed = static_cast<double>(count_exposed(landings));
@@ -82,23 +91,50 @@ class ElementSurvey {
   std::uint32_t cast(const Ray& ray, const V3f& normal, float size, Sampler& sampler, Finding& finding,
                      std::uint64_t& rays) const {
     const Landing landing = element_rays_.cast(ray, normal, size, sampler, rays);
-    if (landing.kind == Landing::in_the_sky) finding.sky += C3d(scene_.environment().radiance(ray.direction));
-    if (landing.kind == Landing::on_specular) follow(ray, landing.point, sampler, finding, rays);
+    if (landing.kind == Landing::in_the_sky)
+      finding.sky += C3d(scene_.environment().radiance(ray.direction)) *
+                     (1.0 - share_of_sampling(ray.origin, normal, ray.direction));
+    if (landing.goes_on) {
+      finding.met_gloss = finding.met_gloss || landing.kind == Landing::on_element;
+      follow(ray, landing.point, sampler, finding, rays);
+    }
     return code_of(landing);
+  }
+
+  // Veach's balance heuristic between the element's rays and as many that are drawn from the sky, where the sun
+  // is found by the latter alone: the latter's share of a direction.
+  [[nodiscard]] double share_of_sampling(const V3f& start, const V3f& normal, const V3f& direction) const {
+    if (!sky_) return 0.0;
+    const double own = sky_->escaped_pdf_w({start, normal, true}, direction),
+                 others = cosine_hemisphere_pdf_w(direction.dot(normal));
+    return own + others > 0.0 ? own / (own + others) : 0.0;
+  }
+  void sample_sky(const ElementPoint& start, Sampler& sampler, Finding& finding, std::uint64_t& rays) const {
+    const V3f from = start.ray_position(), normal(start.normal);
+    const LightSample sky = sky_->sample({from, normal, true}, sampler.next_2d());
+    const float cosine = sky.direction.dot(normal);
+    if (!(sky.pdf_w > 0.0f && cosine > 0.0f) || is_black(sky.radiance)) return;
+    ++rays;
+    if (scene_.caster().occluded(from, sky.position)) return;
+    // Radiance as a cosine-distributed ray would have found it.
+    const double others = cosine_hemisphere_pdf_w(cosine);
+    finding.sky += C3d(sky.radiance) * (others / (static_cast<double>(sky.pdf_w) + others));
   }
 
   // (R15): a specular surface is not an end but a continuation.
   void follow(const Ray& ray, const SurfacePoint& point, Sampler& sampler, Finding& finding,
               std::uint64_t& rays) const {
-    const SpecularPathEnd end = follow_specular(scene_, ray, point, Carried::radiance, sampler);
-    rays += end.rays;
-    if (is_black(end.weight)) return;
-    if (end.escaped) {
-      finding.sky += C3d(end.weight * scene_.environment().radiance(end.direction));
-      return;
+    SpecularPath path(scene_, ray, point, Carried::radiance, sampler);
+    while (path.next()) {
+      const SpecularPathEnd& end = path.end();
+      if (end.escaped) {
+        finding.sky += C3d(end.weight * scene_.environment().radiance(end.direction));
+        break;
+      }
+      const std::uint32_t element = mesh_.find(end.point);
+      if (element != no_index) finding.links.push_back({element, end.weight});
     }
-    const std::uint32_t element = mesh_.find(end.point);
-    if (element != no_index) finding.links.push_back({element, end.weight});
+    rays += path.rays();
   }
 
   // One link for each source: sums in the order of rays, which is that of the stable sort.
@@ -119,6 +155,7 @@ class ElementSurvey {
   const ElementMesh& mesh_;
   ElementRays element_rays_;
   std::uint32_t seed_;
+  std::optional<Lights> sky_;
 };
 
 void count_landings(std::span<const std::uint32_t> sorted, Tally& tally) {
@@ -184,6 +221,7 @@ RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uin
                                  : std::span(own);
       Finding finding = element_survey.run(static_cast<std::uint32_t>(i), landings, rays);
       count_landings(landings, tally);
+      if (finding.met_gloss) tally.gloss = true;
       survey.exposed[i] = exposed_part(landings);
       survey.shares[i] = {share_of(landings, 0, RaySurvey::on_lamp - 1),
                           share_of(landings, RaySurvey::on_specular, RaySurvey::on_specular),
@@ -198,6 +236,7 @@ RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uin
   survey.met_black = tally.black;
   survey.met_specular = tally.specular;
   survey.met_sky = tally.sky;
+  survey.met_gloss = tally.gloss;
   survey.rays = tally.rays;
   return survey;
 }

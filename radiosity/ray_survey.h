@@ -32,6 +32,7 @@ struct RaySurvey {
   std::vector<Shares> shares;  ///< by element
   std::vector<C3f> sky;        ///< irradiance from the sky by element, direct and over specular surfaces
   std::uint64_t met_lamp = 0, met_black = 0, met_specular = 0, met_sky = 0;
+  bool met_gloss = false;  ///< elements that are glossy, too
   std::uint64_t rays = 0;  ///< all rays cast
 
   [[nodiscard]] std::span<const std::uint32_t> landings_of(std::uint32_t element) const {

@@ -1,11 +1,13 @@
 #include "radiosity/adaptive.h"
 #include "radiosity/assemble.h"
+#include "radiosity/error_bound.h"
 #include "radiosity/hierarchical.h"
+#include "radiosity/importance.h"
 #include "radiosity/solution.h"
 #include "radiosity/solvers.h"
-#include "radiosity/specular_path.h"
 #include "radiosity/stochastic.h"
 #include "radiosity/subdivision.h"
+#include "radiosity/view_parts.h"
 #include "render/core/error.h"
 
 namespace twopass {
@@ -82,6 +84,8 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
     if (choice.is_for_gathering)
       least = std::clamp(options.gathered_pixels / pixels_of_an_element, least_elements_gathered, least);
     choice.max_elements = std::clamp(sides / 8, least, most_elements_rays);
+    if (choice.is_for_gathering)
+      choice.max_elements = std::min(choice.max_elements << (2 * options.refinement), most_elements_rays);
   }
   if (choice.solver == Solver::lu)
     choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
@@ -91,8 +95,18 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
   return choice;
 }
 
+// Whether the light of more reflections than the picture may have is too little to be told from an early stop:
+// then it does no harm, and any solver is faster than adding reflection to reflection.
+bool is_limit_negligible(const Balance& balance, const RadiosityOptions& options) {
+  constexpr double negligible = 0.1;
+  const Contraction q = contraction(balance);
+  double largest = 0.0;
+  for (int c = 0; c < 3; ++c) largest = std::max(largest, std::min(q.by_power[c], q.by_maximum[c]));
+  const double left_out = std::pow(largest, options.max_reflections + 1);
+  return left_out <= negligible * iteration_share * options.relative_error;
+}
+
 SolverResult run_solver(Solver solver, const Balance& balance, const RadiosityOptions& options) {
-  if (options.max_reflections >= 0) return solve_series(balance, options.max_reflections);
   const StopRule stop{std::max(iteration_share * options.relative_error, smallest_relative_error)};
   switch (solver) {
     case Solver::lu:
@@ -112,18 +126,26 @@ SolverResult run_solver(Solver solver, const Balance& balance, const RadiosityOp
   return solve_gauss_seidel(balance, stop);
 }
 
+// What elements mean to a picture: the parts that see them, and what a solution says of light by way of others.
+struct Importance {
+  std::vector<double> parts, indirect{};
+};
+
 std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh& mesh,
                                                 const RadiosityOptions& options, const Choice& choice,
-                                                RadiosityStats& stats) {
+                                                RadiosityStats& stats, Importance* importance) {
   const Balance balance = assemble_balance(scene, mesh, options, choice.method, stats);
   Solver solver = choice.solver;
   // Conjugate gradients are never slower, and much faster where little is absorbed, but they want symmetry.
   if (solver == Solver::automatic) solver = balance.specular.link.empty() ? Solver::cg : Solver::gauss_seidel;
-  const SolverResult result = run_solver(solver, balance, options);
+  const bool is_series = options.max_reflections >= 0 && !is_limit_negligible(balance, options);
+  const SolverResult result =
+      is_series ? solve_series(balance, options.max_reflections) : run_solver(solver, balance, options);
+  if (importance) importance->indirect = indirect_importance(balance, result.radiosity, importance->parts);
   std::vector<Irradiance> irradiance(mesh.count());
   for (std::uint32_t i = 0; i < mesh.count(); ++i)
     irradiance[i] = {C3f(balance.direct[i]), C3f(result.irradiance[i])};
-  stats.solver = options.max_reflections >= 0 ? "series" : name_of_value<Solver>(solver_names, solver);
+  stats.solver = is_series ? "series" : name_of_value<Solver>(solver_names, solver);
   stats.form_factors = name_of_value<FormFactorMethod>(form_factor_method_names, choice.method);
   stats.links = static_cast<std::size_t>(balance.exchange.nonZeros()) + balance.specular.link.size();
   stats.iterations = result.iterations;
@@ -186,45 +208,15 @@ std::vector<Irradiance> solve_with_links(const Scene& scene, ElementMesh& mesh, 
   return irradiance;
 }
 
-// Solves on the given elements, exposes them, and fills in the statistics, adding up rays.
+// Solves on the given elements, exposes them, and fills in the statistics, adding up rays. What is to be known
+// of `importance` only a balance of form factors says.
 std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                                 const Choice& choice, RadiosityStats& stats) {
+                                 const Choice& choice, RadiosityStats& stats,
+                                 Importance* importance = nullptr) {
   stats.elements = mesh.count();
   if (choice.solver == Solver::stochastic) return solve_stochastically(scene, mesh, options, stats);
   if (choice.solver == Solver::hierarchical) return solve_with_links(scene, mesh, options, stats);
-  return solve_with_form_factors(scene, mesh, options, choice, stats);
-}
-
-// What the rays of a view see first that is not specular.
-std::vector<SurfacePoint> seen_by(const Scene& scene, const RadiosityOptions& options, RadiosityStats& stats) {
-  std::vector<Hit> hits(options.view.size());
-  scene.caster().intersect(options.view, hits, Rays::coherent);
-  stats.rays += options.view.size();
-  std::vector<SurfacePoint> points;
-  for (std::size_t k = 0; k < hits.size(); ++k) {
-    if (hits[k].escaped()) continue;
-    const SurfacePoint point = scene.surface_point(options.view[k], hits[k]);
-    if (!scene.side(point).scatters_without_diffusing()) {
-      points.push_back(point);
-      continue;
-    }
-    Sampler sampler(options.seed, 0, static_cast<std::uint32_t>(k));
-    const SpecularPathEnd end = follow_specular(scene, options.view[k], point, Carried::radiance, sampler);
-    stats.rays += end.rays;
-    if (!end.escaped && !is_black(end.weight)) points.push_back(end.point);
-  }
-  return points;
-}
-
-// Of each element, the part of the points that lie on it; nothing without points.
-std::vector<double> parts_of(const ElementMesh& mesh, std::span<const SurfacePoint> points) {
-  std::vector<double> parts;
-  if (points.empty()) return parts;
-  parts.resize(mesh.count(), 0.0);
-  for (const SurfacePoint& point : points)
-    if (const std::uint32_t element = mesh.find(point); element != no_index)
-      parts[element] += 1.0 / static_cast<double>(points.size());
-  return parts;
+  return solve_with_form_factors(scene, mesh, options, choice, stats, importance);
 }
 
 // Refines the coarse elements where solutions on them say that it matters, up to the number allowed.
@@ -233,15 +225,18 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
   RadiosityOptions pilot = options;
   if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
   const Choice pilot_choice{choice.method, Solver::automatic, choice.max_elements, true, false};
-  const std::vector<SurfacePoint> seen = seen_by(scene, options, stats);
+  const std::vector<SurfacePoint> seen = seen_points(scene, options.view, options.seed, stats.rays);
   while (mesh.count() + 3 <= choice.max_elements) {
     RadiosityStats pilot_stats;
-    const std::vector<Irradiance> irradiance = solve_on(scene, mesh, pilot, pilot_choice, pilot_stats);
+    Importance importance{parts_of(mesh, seen)};
+    const std::vector<Irradiance> irradiance =
+        solve_on(scene, mesh, pilot, pilot_choice, pilot_stats, seen.empty() ? nullptr : &importance);
     stats.rays += pilot_stats.rays;
     // A round at most doubles the number, so that the next one is better informed.
     const std::size_t room = std::min(choice.max_elements - mesh.count(), mesh.count()) / 3;
-    const std::vector<bool> chosen = elements_to_split(mesh, irradiance, parts_of(mesh, seen),
-                                                       std::max<std::size_t>(1, room), options.relative_error);
+    const std::vector<bool> chosen =
+        elements_to_split(mesh, irradiance, importance.parts, std::max<std::size_t>(1, room),
+                          options.relative_error, importance.indirect);
     ElementMesh finer = mesh.split(chosen);
     if (finer.count() == mesh.count()) break;
     mesh = std::move(finer);

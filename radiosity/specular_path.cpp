@@ -1,5 +1,7 @@
 #include "radiosity/specular_path.h"
 
+#include "materials/lobes.h"
+
 namespace twopass {
 
 namespace {
@@ -7,39 +9,59 @@ constexpr int most_surfaces = 64;
 constexpr int surfaces_before_roulette = 4;
 }  // namespace
 
-SpecularPathEnd follow_specular(const Scene& scene, Ray ray, SurfacePoint point, Carried carried,
-                                Sampler& sampler) {
-  SpecularPathEnd end;
-  C3f power(1.0f);              // what would arrive of a power: decides the roulette, whatever is carried
-  float radiance_scale = 1.0f;  // the product of 1 / eta^2 on the way
-  for (int surface = 0; surface < most_surfaces; ++surface) {
-    Bsdf storage;
-    const Bsdf& bsdf = scene.resolve(point, ray.direction, storage, [&] { return sampler.next_1d(); });
-    const V3f wo = point.shading.to_local(-ray.direction);
-    const auto scattered = sample(bsdf, wo, sampler.next_2d());
-    if (!scattered) return end;
-    const float eta2 = scattered->eta * scattered->eta;
-    power *= scattered->weight * eta2;
-    radiance_scale /= eta2;
-    if (surface >= surfaces_before_roulette) {
-      const float survival = std::min(1.0f, max_component(power));
-      if (!(sampler.next_1d() < survival)) return end;
-      power *= 1.0f / survival;
-    }
-    ray.direction = point.shading.to_world(scattered->wi);
-    ray.origin = spawn_position(point, ray.direction);
-    const Hit hit = scene.caster().intersect(ray);
-    ++end.rays;
-    end.escaped = hit.escaped();
-    if (!hit.escaped()) point = scene.surface_point(ray, hit);
-    if (hit.escaped() || !scene.side(point).scatters_without_diffusing()) {
-      end.weight = carried == Carried::radiance ? power * radiance_scale : power;
-      end.point = point;
-      end.direction = ray.direction;
-      return end;
-    }
+// Draws where to go from the present surface, other than diffusely. False: absorbed.
+bool SpecularPath::scatter() {
+  SurfacePoint& point = end_.point;
+  Bsdf storage;
+  const Bsdf& bsdf = scene_.resolve(point, ray_.direction, storage, [this] { return sampler_.next_1d(); });
+  const V3f wo = point.shading.to_local(-ray_.direction);
+  const auto scattered = sample(bsdf, wo, sampler_.next_2d());
+  if (!scattered) return false;
+  C3f weight = scattered->weight;
+  if (!scattered->is_specular && !is_black(diffuse_reflectance(bsdf)))
+    weight *= C3f(1.0f) - diffuse_share(bsdf, wo, scattered->wi);
+  const float eta2 = scattered->eta * scattered->eta;
+  power_ *= weight * eta2;
+  if (is_black(power_)) return false;
+  radiance_scale_ /= eta2;
+  if (surface_ >= surfaces_before_roulette) {
+    const float survival = std::min(1.0f, max_component(power_));
+    if (!(sampler_.next_1d() < survival)) return false;
+    power_ *= 1.0f / survival;
   }
-  return end;
+  ray_.direction = point.shading.to_world(scattered->wi);
+  ray_.origin = spawn_position(point, ray_.direction);
+  return true;
+}
+
+bool SpecularPath::next() {
+  while (!is_over_ && surface_ < most_surfaces) {
+    if (!scatter()) break;
+    ++surface_;
+    const Hit hit = scene_.caster().intersect(ray_);
+    ++end_.rays;
+    end_.escaped = is_over_ = hit.escaped();
+    if (!is_over_) {
+      end_.point = scene_.surface_point(ray_, hit);
+      const MaterialSide& side = scene_.side(end_.point);
+      if (side.scatters_without_diffusing()) continue;
+      is_over_ = !is_more_than_diffuse(side);
+    }
+    end_.weight = carried_ == Carried::radiance ? power_ * radiance_scale_ : power_;
+    end_.direction = ray_.direction;
+    return true;
+  }
+  is_over_ = true;
+  return false;
+}
+
+SpecularPathEnd follow_specular(const Scene& scene, const Ray& ray, const SurfacePoint& point, Carried carried,
+                                Sampler& sampler) {
+  SpecularPath path(scene, ray, point, carried, sampler);
+  if (path.next()) return path.end();
+  SpecularPathEnd absorbed;
+  absorbed.rays = path.rays();
+  return absorbed;
 }
 
 }  // namespace twopass

@@ -1,4 +1,4 @@
-// Following light over specular surfaces to the first one that is not.
+// Following light over mirrors, glass and glossy lobes from one surface that diffuses to the next.
 #pragma once
 
 #include "render/core/sampler.h"
@@ -13,18 +13,49 @@ enum class Carried {
   power,     ///< traced with the light; changes only by absorption
 };
 
-/// Where a path over specular surfaces ends.
+/// Where a path over specular surfaces arrives.
 struct SpecularPathEnd {
   C3f weight{0.0f};  ///< carried from end to end; black: absorbed on the way
   bool escaped = true;
   V3f direction{0.0f};  ///< of the last ray; only if it has escaped
-  SurfacePoint point;   ///< of the first surface that is not specular; only if it has not escaped
+  SurfacePoint point;   ///< of a surface that is not purely specular; only if it has not escaped
   unsigned rays = 0;    ///< cast on the way
 };
 
-/// Continues a ray that has met a specular surface at `point` through reflections and refractions chosen at
-/// random. A path is absorbed at random once it carries little, and after 64 surfaces.
-SpecularPathEnd follow_specular(const Scene& scene, Ray ray, SurfacePoint point, Carried carried,
+/// A path through reflections and refractions chosen at random, but for diffuse ones (R15). It arrives at every
+/// surface that diffuses or absorbs, and goes on from there by what else that scatters: the coat of plastics,
+/// the metal or glass in a mixture. It is absorbed at random once it carries little, and after 64 surfaces.
+class SpecularPath {
+ public:
+  /// Of a ray that has met, at `point`, a surface that scatters otherwise than diffusely. REQUIRES: scene and
+  /// sampler outlive the path.
+  SpecularPath(const Scene& scene, const Ray& ray, const SurfacePoint& point, Carried carried, Sampler& sampler)
+      : scene_(scene), ray_(ray), carried_(carried), sampler_(sampler) {
+    end_.point = point;
+  }
+  /// Goes on to where it arrives next. False: it has been absorbed, or ended there.
+  bool next();
+  /// Where it is; REQUIRES: next() was true.
+  [[nodiscard]] const SpecularPathEnd& end() const { return end_; }
+  /// All rays cast so far.
+  [[nodiscard]] unsigned rays() const { return end_.rays; }
+
+ private:
+  bool scatter();
+
+  const Scene& scene_;
+  Ray ray_;
+  Carried carried_;
+  Sampler& sampler_;
+  C3f power_{1.0f};              // what would arrive of a power: decides the roulette, whatever is carried
+  float radiance_scale_ = 1.0f;  // the product of 1 / eta^2 on the way
+  int surface_ = 0;
+  bool is_over_ = false;
+  SpecularPathEnd end_;
+};
+
+/// The first place where the path arrives; of no weight where it is absorbed before.
+SpecularPathEnd follow_specular(const Scene& scene, const Ray& ray, const SurfacePoint& point, Carried carried,
                                 Sampler& sampler);
 
 }  // namespace twopass

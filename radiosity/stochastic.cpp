@@ -371,10 +371,13 @@ class Shooting {
   void land(const Ray& ray, const Landing& landing, Sampler& sampler, const Parcel& parcel, Fate& fate) {
     switch (landing.kind) {
       case Landing::on_element:
-        return deposit(landing.element, parcel);
+        deposit(landing.element, parcel);
+        if (landing.goes_on) follow(ray, landing.point, sampler, parcel, fate);
+        return;
       case Landing::in_the_sky:
         return escape(parcel, fate);
       case Landing::on_specular:
+        absorb(parcel, fate);
         return follow(ray, landing.point, sampler, parcel, fate);
       case Landing::on_lamp:
       case Landing::on_black:
@@ -383,20 +386,29 @@ class Shooting {
     }
   }
 
-  // (R15): a specular surface keeps a part and passes on the rest.
-  void follow(const Ray& ray, const SurfacePoint& point, Sampler& sampler, Parcel parcel, Fate& fate) {
-    const SpecularPathEnd end = follow_specular(scene_, ray, point, Carried::power, sampler);
-    fate.rays += end.rays;
-    for (int c = 0; c < 3; ++c) {
-      const std::int64_t passed = portion(parcel.power[c], static_cast<double>(end.weight[c]));
-      fate.absorbed[c] += parcel.power[c] - passed;
-      parcel.power[c] = passed;
+  // (R15): what a surface passes on other than diffusely is taken back from what it absorbs, be that now, or
+  // when what it reflects diffusely is taken from what it has received.
+  void follow(const Ray& ray, const SurfacePoint& point, Sampler& sampler, const Parcel& parcel, Fate& fate) {
+    SpecularPath path(scene_, ray, point, Carried::power, sampler);
+    while (path.next()) {
+      const SpecularPathEnd& end = path.end();
+      Parcel passed = parcel;
+      for (int c = 0; c < 3; ++c) {
+        passed.power[c] = portion(parcel.power[c], static_cast<double>(end.weight[c]));
+        fate.absorbed[c] -= passed.power[c];
+      }
+      if (passed.is_empty()) break;
+      if (end.escaped) {
+        escape(passed, fate);
+        break;
+      }
+      const std::uint32_t element = mesh_.find(end.point);
+      if (element == no_index)
+        absorb(passed, fate);
+      else
+        deposit(element, passed);
     }
-    if (parcel.is_empty()) return;
-    if (end.escaped) return escape(parcel, fate);
-    const std::uint32_t element = mesh_.find(end.point);
-    if (element == no_index) return absorb(parcel, fate);
-    deposit(element, parcel);
+    fate.rays += path.rays();
   }
 
   void deposit(std::uint32_t element, const Parcel& parcel) {

@@ -127,6 +127,11 @@ void Layers::values_of(const SampleLayers& seen, bool is_finite,
         case Aov::radiosity:
           append(values, radiosity_at(first));
           break;
+        case Aov::choice:
+          values.push_back(seen.looked_up ? 1.0f : 0.0f);
+          values.push_back(seen.gathered && !seen.looked_up ? 1.0f : 0.0f);
+          values.push_back(seen.gathered || seen.looked_up ? 0.0f : 1.0f);
+          break;
         default:  // cache
           values.push_back(seen.looked_up ? 1.0f : 0.0f);
       }

@@ -64,6 +64,8 @@ FilmLayer layer_of(Aov aov) {
       return {name, {"X"}, Reduction::nearest};
     case Aov::cache:
       return {name, {"X"}, Reduction::mean};
+    case Aov::choice:
+      return {name, {"lookup", "gather", "trace"}, Reduction::mean};
     case Aov::samples:
       return {name, {"X"}, Reduction::samples};
     case Aov::variance:

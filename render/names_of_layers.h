@@ -30,6 +30,7 @@ enum class Aov : std::uint8_t {
   element,
   radiosity,
   cache,
+  choice,
   samples,
   variance,
   invalid
@@ -54,6 +55,7 @@ inline constexpr Named<Aov> aov_names[] = {
     {"element", Aov::element},
     {"radiosity", Aov::radiosity},
     {"cache", Aov::cache},
+    {"choice", Aov::choice},
     {"samples", Aov::samples},
     {"variance", Aov::variance},
     {"invalid", Aov::invalid},

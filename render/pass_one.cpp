@@ -1,5 +1,9 @@
 #include "render/pass_one.h"
 
+#include <cstdio>
+
+#include "radiosity/view_parts.h"
+
 namespace twopass {
 
 namespace {
@@ -30,17 +34,30 @@ std::vector<Ray> view_rays(const Camera& camera, const PixelWindow& window, std:
   return rays;
 }
 
+// Light is looked up where the picture's rays see it: at elements that few of them see it may as well be
+// gathered.
+std::vector<bool> seen_elements(const PassOneJob& job, const Solution& solution) {
+  std::uint64_t rays = 0;
+  const std::vector<double> parts =
+      parts_of(solution.mesh(), seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
+  std::vector<bool> seen;
+  for (const double part : parts) seen.push_back(part > 0.0);
+  return seen;
+}
+
 // Gathering is guided where indirect light is not looked up. With fewer rays a bin the guide is worse than none
 // where light comes through a crack; fewer cells than for paths, of which only the first direction is gathered.
-GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done) {
+GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, const std::vector<bool>& seen) {
   GuideOptions options;
   options.seed = job.radiosity.seed;
   if (job.integrator != IntegratorKind::two_pass) return options;
   options.rays_per_bin = 16;
   options.max_cells = 1024;
+  options.wanted = seen;
   if (!done.field) return options;
+  options.wanted.resize(done.solution->mesh().count(), true);
   for (std::uint32_t e = 0; e < done.solution->mesh().count(); ++e)
-    options.wanted.push_back(done.field->known(e) < Known::indirect);
+    if (done.field->known(e) >= Known::indirect) options.wanted[e] = false;
   return options;
 }
 
@@ -66,17 +83,85 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   done.solution = std::make_unique<const Solution>(job.solved ? std::move(*job.solved)
                                                               : solve_radiosity(job.scene, job.radiosity));
   done.solution_time = stopwatch.elapsed();
+  const std::vector<bool> seen = seen_elements(job, *done.solution);
   if (job.plan.indirect_field) {
     stopwatch = Stopwatch();
     IndirectFieldOptions options;
     options.seed = job.radiosity.seed;
+    options.wanted = seen;
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
     done.field_time = stopwatch.elapsed();
   }
   if (job.plan.guide) {
     stopwatch = Stopwatch();
-    done.guide = std::make_unique<const Guide>(job.scene, *done.solution, guide_options(job, done));
+    done.guide = std::make_unique<const Guide>(job.scene, *done.solution, guide_options(job, done, seen));
     done.guide_time = stopwatch.elapsed();
+  }
+  return done;
+}
+
+BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
+  // Where the number of samples is not known, 64; a two-pass sample takes about three rays, and a thread casts
+  // some five million a second.
+  constexpr double guessed_samples = 64.0, rays_of_a_sample = 3.0, rays_a_second = 5e6;
+  BiasGoal goal;
+  if (sampling.relative_error > 0.0) goal.most = std::clamp(sampling.relative_error / 6.0, 0.001, goal.most);
+  const double samples = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel : guessed_samples;
+  double rays = samples * rays_of_a_sample * window.size.x * window.size.y;
+  if (sampling.seconds > 0.0) rays = std::min(rays, sampling.seconds * threads * rays_a_second);
+  goal.rays = 0.5 * certificate_share * rays;
+  goal.seconds = share_of_pass_one * sampling.seconds;
+  return goal;
+}
+
+PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const PixelWindow& window,
+                                    const PathLimits& limits, const BiasGoal& goal,
+                                    const std::function<void(const std::string&)>& say) {
+  // So that the samples are neither the picture's nor those of its certificate.
+  constexpr std::uint32_t own_seeds = 0x6b79d8a1u;
+  const bool may_solve_again = goal.may_solve_again && !job.solved;
+  PreparedPassOne done = prepare_pass_one(std::move(job));
+  bool has_refined = false;
+  for (std::uint32_t round = 0; done.solution; ++round) {
+    PathLimits unclamped = limits;
+    unclamped.clamp_direct = unclamped.clamp_indirect = infinity_f;
+    const auto biased = make_integrator(IntegratorKind::two_pass, job.scene, done.view(), limits);
+    const auto truth = make_integrator(IntegratorKind::unbiased, job.scene, done.view(), unclamped);
+    const std::optional<Certificate> found = certify({.biased = *biased,
+                                                      .unbiased = *truth,
+                                                      .camera = camera,
+                                                      .width = window.size.x,
+                                                      .height = window.size.y,
+                                                      .corner = window.corner,
+                                                      .seed = job.radiosity.seed + own_seeds * (round + 1),
+                                                      .most_rays = goal.rays,
+                                                      .close_enough = 0.3 * goal.most});
+    if (!found || std::abs(found->mean) - found->ci95 <= goal.most) return done;
+    char text[160];
+    std::snprintf(text, sizeof text, "two passes would be biased by %+.2f %% +- %.2f %%: ", 100.0 * found->mean,
+                  100.0 * found->ci95);
+    const Elapsed spent = done.time();
+    const bool has_time = goal.seconds <= 0.0 || 5.0 * spent.seconds <= goal.seconds;
+    if (may_solve_again && !has_refined && has_time) {
+      has_refined = true;
+      ++job.radiosity.refinement;
+      const std::size_t before = done.solution->mesh().count();
+      PreparedPassOne finer = prepare_pass_one(
+          {.scene = job.scene, .plan = job.plan, .integrator = job.integrator, .radiosity = job.radiosity});
+      finer.solution_time += spent;
+      const std::size_t after = finer.solution->mesh().count();
+      done = std::move(finer);
+      say(text + std::to_string(after) + " elements instead of " + std::to_string(before));
+    } else if (!done.gathers_twice) {
+      done.field.reset();
+      done.gathers_twice = true;
+      say(std::string(text) + "nothing is looked up, and gathering goes over one more surface");
+    } else {
+      say(std::string(text) + "paths are traced without pass one");
+      PreparedPassOne paths;
+      paths.solution_time = spent;
+      return paths;
+    }
   }
   return done;
 }

@@ -1,6 +1,7 @@
 // Pass one of a picture: what its integrator reads, made as the plan says.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -10,6 +11,7 @@
 #include "radiosity/solution.h"
 #include "render/certificate.h"
 #include "render/plan.h"
+#include "render/sample_plan.h"
 #include "render/stopwatch.h"
 
 namespace twopass {
@@ -19,9 +21,10 @@ struct PreparedPassOne {
   std::unique_ptr<const Solution> solution;  // on the heap: field and guide point into it
   std::unique_ptr<const IndirectField> field;
   std::unique_ptr<const Guide> guide;
+  bool gathers_twice = false;
   Elapsed solution_time, field_time, guide_time;
 
-  [[nodiscard]] PassOne view() const { return {solution.get(), field.get(), guide.get()}; }
+  [[nodiscard]] PassOne view() const { return {solution.get(), field.get(), guide.get(), gathers_twice}; }
   [[nodiscard]] Elapsed time() const { return solution_time + field_time + guide_time; }
 };
 
@@ -34,6 +37,24 @@ struct PassOneJob {
   std::optional<Solution> solved = {};  ///< used instead of solving
 };
 PreparedPassOne prepare_pass_one(PassOneJob job);
+
+/// How far off a picture's mean may be, and what may be done to keep to that.
+struct BiasGoal {
+  double most = 0.005;   ///< relative
+  double rays = 0.0;     ///< about as many for each of the certificates that judge, pilots aside
+  double seconds = 0.0;  ///< that all of pass one may take; 0: as long as it does
+  bool may_solve_again = true;
+};
+/// As prepare_pass_one; then measures the bias of the picture that two passes would make (I13), with samples of
+/// its own, and where that is certainly larger than it may be takes the first of these steps that is left, and
+/// measures again: four times as many elements where they matter most; no look-ups, and gathering over one more
+/// surface; paths, without pass one. `say` is told of each step. REQUIRES: the integrator is two_pass.
+PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const PixelWindow& window,
+                                    const PathLimits& limits, const BiasGoal& goal,
+                                    const std::function<void(const std::string&)>& say);
+/// The goal of a picture that is rendered until `sampling` is met: a sixth of the noise asked for, between .1 %
+/// and .5 %; a fortieth of the picture's rays, as far as they can be foretold.
+BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads);
 
 /// The options of pass one for a picture, over what the user asks for. `cpu_seconds`: all that the picture may
 /// take; pass one then has fewer elements where it would take more than 15 % of that (by its usual pace, and

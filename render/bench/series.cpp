@@ -8,6 +8,7 @@
 #include "render/image/compare.h"
 #include "render/pass_one.h"
 #include "render/render_image.h"
+#include "render/view_probe.h"
 
 namespace twopass {
 
@@ -121,7 +122,9 @@ BenchSeries measure_series(const BenchSubject& subject, IntegratorKind kind, con
   const Stopwatch spent;
   SeriesCollector collector(subject.name, std::string(name_of_value<IntegratorKind>(integrator_names, kind)),
                             reference);
-  const Plan plan = plan_render(subject.needs, kind, subject.limits);
+  Plan plan = plan_render(subject.needs, kind, subject.limits);
+  fit_to_view(plan, kind, subject.scene, subject.camera, {{0, 0}, {subject.width, subject.height}},
+              subject.limits, 0);
   for (int run = 0; run < budget.seeds && !interrupt_requested(); ++run) {
     const auto seed = static_cast<std::uint32_t>(run);
     collector.begin_run(seed);

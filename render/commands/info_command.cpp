@@ -8,6 +8,7 @@
 #include "render/commands/scene_options.h"
 #include "render/commands/scene_report.h"
 #include "render/core/parallel.h"
+#include "render/view_probe.h"
 
 namespace twopass {
 
@@ -79,9 +80,28 @@ void print_table(const char* title, const ordered_json& rows) {
     line([&](const std::string& key) { return row.contains(key) ? text(row[key]) : std::string("-"); });
 }
 
+// What the view of the scene's camera says of pass one.
+void add_view(ordered_json& report, LoadedScene loaded) {
+  Plan plan;
+  plan.radiosity_pass = report["needs"]["radiosity_pass"];
+  if (!plan.radiosity_pass || !loaded.scene.camera) return;
+  const auto integrator = value_of_name<IntegratorKind>(
+      integrator_names, report["integrator"].get<std::string>(), "integrator", "integrator");
+  const FileSettings& file = loaded.settings;
+  const Camera camera(*loaded.scene.camera, file.width, file.height);
+  const Scene scene(std::move(loaded.scene));
+  fit_to_view(plan, integrator, scene, camera, {{0, 0}, {file.width, file.height}},
+              {file.max_depth, file.rr_depth, file.hide_emitters}, file.seed.value_or(0));
+  report["needs"]["radiosity_pass"] = plan.radiosity_pass;
+  for (const Skipped& entry : plan.skipped)
+    report["skipped"].push_back({{"what", entry.what}, {"why", entry.why}});
+}
+
 int info(const InfoOptions& options, const GlobalOptions& global) {
   const ThreadLimit limit(global.threads);
-  ordered_json report = scene_report(options.scene.load(global.console(), SceneOptions::Additions::none));
+  LoadedScene loaded = options.scene.load(global.console(), SceneOptions::Additions::none);
+  ordered_json report = scene_report(loaded);
+  add_view(report, std::move(loaded));
   if (options.json) {
     // Names come from files, which may hold anything.
     std::printf("%s\n", report.dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());

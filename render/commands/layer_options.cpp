@@ -10,7 +10,7 @@ void LayerOptions::add_to(CLI::App& command) {
       "--aov", aovs,
       "Layers of .exr files, with commas: light (diffuse, specular and transmission x _direct and "
       "_indirect, emission, background: they sum to the picture), denoise (albedo and N), all, or: "
-      "albedo N Ng P Z uv id element radiosity cache samples variance invalid, and each of light");
+      "albedo N Ng P Z uv id element radiosity cache choice samples variance invalid, and each of light");
   command.add_flag("--light-groups", light_groups,
                    "One layer light_NAME for each group of lights; they sum to the picture");
   command.add_option("--cryptomatte", cryptomattes,

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "integrators/clamp.h"
 #include "radiosity/scene_fingerprint.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
@@ -18,6 +19,7 @@
 #include "render/render_identity.h"
 #include "render/statistics.h"
 #include "render/version.h"
+#include "render/view_probe.h"
 
 namespace twopass {
 
@@ -151,8 +153,9 @@ Solution load_fitting_solution(const Scene& scene, const std::string& file, int 
 }
 
 // Pass one, with what the user should know about it.
-PreparedPassOne run_pass_one(const Scene& scene, const RenderOptions& options, const Settings& settings,
-                             const Plan& plan, const RadiosityOptions& radiosity, const Console& console,
+PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const RenderOptions& options,
+                             const Settings& settings, const SamplingGoal& goal, Plan& plan,
+                             const RadiosityOptions& radiosity, const Console& console,
                              RenderStatistics& statistics) {
   PassOneJob job{.scene = scene, .plan = plan, .integrator = settings.integrator, .radiosity = radiosity};
   Elapsed load_time;
@@ -165,7 +168,17 @@ PreparedPassOne run_pass_one(const Scene& scene, const RenderOptions& options, c
     job.solved = load_fitting_solution(scene, options.solution_file, job.radiosity.max_reflections);
     load_time = stopwatch.elapsed();
   }
-  PreparedPassOne done = prepare_pass_one(std::move(job));
+  const bool is_judged = options.certificate && plan.radiosity_pass &&
+                         settings.integrator == IntegratorKind::two_pass && !is_clamped(settings.limits);
+  PreparedPassOne done =
+      is_judged ? prepare_within_bias(std::move(job), camera, {{0, 0}, {settings.width, settings.height}},
+                                      settings.limits, bias_goal(goal, settings.window, statistics.threads),
+                                      [&](const std::string& step) { console.note(step); })
+                : prepare_pass_one(std::move(job));
+  if (plan.radiosity_pass && !done.solution) {
+    statistics.radiosity_time = done.time();
+    plan.skipped.push_back({"radiosity pass", "the picture would be biased by more than it may be"});
+  }
   if (!done.solution) return done;
   const RadiosityStats& stats = done.solution->stats();
   done.solution_time = done.solution_time + load_time;
@@ -334,14 +347,15 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   Stopwatch stopwatch;
   LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera);
   Settings settings = settle(options, loaded.settings, console);
+  // What a picture is judged by must not depend on how it is divided, nor on when it was to end at first.
+  SamplingGoal judged_by = settings.goal;
+  if (!options.parts.checkpoint.empty() || !options.parts.resume.empty()) judged_by = {};
   parts.divide(settings.goal);
   const SceneNeeds needs = needs_of(loaded.scene);
-  const Plan plan = plan_render(needs, settings.integrator, settings.limits);
+  Plan plan = plan_render(needs, settings.integrator, settings.limits);
   if (!needs.light)
     console.note(options.scene.file +
                  ": the scene has no light, the picture will be black (--sky 1,1,1 adds a sky)");
-  for (const Skipped& skipped : plan.skipped)
-    console.detail("skipped: " + skipped.what + ", because " + skipped.why);
   s.load = stopwatch.elapsed();
 
   stopwatch = Stopwatch();
@@ -351,10 +365,17 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 
   s.threads = limit.threads();
   const Camera camera(camera_description, settings.width, settings.height);
+  // Of the whole picture, so that a part of it is the same bits.
+  const PixelWindow whole{{0, 0}, {settings.width, settings.height}};
+  fit_to_view(plan, settings.integrator, scene, camera, whole, settings.limits, settings.seed,
+              !options.solution_file.empty());
+  for (const Skipped& skipped : plan.skipped)
+    console.detail("skipped: " + skipped.what + ", because " + skipped.why);
   const RadiosityOptions radiosity =
-      radiosity_options(settings.integrator, settings.limits, camera, settings.window,
+      radiosity_options(settings.integrator, settings.limits, camera, whole,
                         options.radiosity.settle(settings.seed), settings.goal.seconds * s.threads);
-  const PreparedPassOne pass_one = run_pass_one(scene, options, settings, plan, radiosity, console, s);
+  const PreparedPassOne pass_one =
+      run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, console, s);
   std::optional<LightGroups> groups;
   if (layer_request.light_groups) groups.emplace(light_groups_of(scene));
   const std::optional<GroupedLight> grouped = group_solution(scene, groups, pass_one, radiosity, console, s);

@@ -13,17 +13,19 @@
 #include "render/load/load.h"
 #include "render/pass_one.h"
 #include "render/render_image.h"
+#include "render/view_probe.h"
 
 namespace twopass {
 namespace {
 
 struct Options {
   int size = 512, reference_samples = 128, most_samples = 64;
-  double goal = 1e-3;
+  double goal = 1e-3, density = 1.0;
   std::filesystem::path cache = "build/references";
   std::vector<std::string> integrators{"path", "unbiased", "twopass"}, scenes;
   std::vector<int> fixed_samples;
-  bool by_noise = false;
+  int refinement = 0;
+  bool gathers = false, gathers_twice = false, by_noise = false, keep_pass_one = false;
   std::string write;
 };
 
@@ -62,13 +64,22 @@ class Subject {
 
   [[nodiscard]] V2i size() const { return size_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] Plan plan(IntegratorKind kind) const { return plan_render(needs_, kind, limits_); }
+  [[nodiscard]] Plan plan(IntegratorKind kind) const {
+    Plan plan = plan_render(needs_, kind, limits_);
+    if (!options_.keep_pass_one) fit_to_view(plan, kind, scene_, camera_, {{0, 0}, size_}, limits_, 0);
+    return plan;
+  }
 
   [[nodiscard]] PreparedPassOne prepare(IntegratorKind kind, const Plan& plan) const {
-    return prepare_pass_one({.scene = scene_,
-                             .plan = plan,
-                             .integrator = kind,
-                             .radiosity = radiosity_options(kind, limits_, camera_, {{0, 0}, size_}, {})});
+    RadiosityOptions radiosity = radiosity_options(kind, limits_, camera_, {{0, 0}, size_}, {});
+    radiosity.gathered_pixels =
+        static_cast<std::size_t>(options_.density * static_cast<double>(radiosity.gathered_pixels));
+    radiosity.refinement = options_.refinement;
+    PreparedPassOne done = prepare_pass_one(
+        {.scene = scene_, .plan = plan, .integrator = kind, .radiosity = std::move(radiosity)});
+    if (options_.gathers) done.field.reset();
+    done.gathers_twice = options_.gathers_twice;
+    return done;
   }
 
   [[nodiscard]] Run render(IntegratorKind kind, const PreparedPassOne& pass_one, const SamplingGoal& goal,
@@ -178,6 +189,9 @@ Row measure(const Subject& subject, const Reference& reference, IntegratorKind k
   const Plan plan = subject.plan(kind);
   const PreparedPassOne pass_one = subject.prepare(kind, plan);
   const double before = pass_one.time().cpu_seconds;
+  for (const Skipped& skipped : plan.skipped)
+    std::fprintf(stderr, "%s: skipped: %s, because %s\n", name.c_str(), skipped.what.c_str(),
+                 skipped.why.c_str());
   if (pass_one.solution)
     std::fprintf(stderr, "%s: %zu elements %.2f CPU s, look-ups %.2f, guide %.2f\n", name.c_str(),
                  pass_one.solution->mesh().count(), pass_one.solution_time.cpu_seconds,
@@ -264,6 +278,12 @@ int main(int argc, char** argv) {
   app.add_option("--spp", options.fixed_samples, "Measure at these numbers of samples alone")->delimiter(',');
   app.add_option("--integrators", options.integrators, "Which, path first")->delimiter(',');
   app.add_flag("--noise", options.by_noise, "Render to an estimated noise of the root of the goal instead");
+  app.add_option("--density", options.density,
+                 "Elements of twopass, over those that a picture gets by default");
+  app.add_option("--refinement", options.refinement, "How often the number of elements is quadrupled");
+  app.add_flag("--gather", options.gathers, "Look nothing up where the camera looks");
+  app.add_flag("--gather-twice", options.gathers_twice, "Gather over one more surface");
+  app.add_flag("--keep-pass-one", options.keep_pass_one, "Also where the view gains too little by it");
   app.add_option("--write", options.write, "Beginning of the names of .exr files for the pictures");
   CLI11_PARSE(app, argc, argv);
   if (options.scenes.empty())

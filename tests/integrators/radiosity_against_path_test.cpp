@@ -72,6 +72,25 @@ TEST(RadiosityAgainstPath, UnitRoomByRays) {
   expect_agreement(test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f)), FormFactorMethod::rays, 800, 0.03);
 }
 
+// What the coats of plastics and the metal in a mixture reflect reaches other surfaces, and those again.
+TEST(RadiosityAgainstPath, RoomWithGlossyWalls) {
+  SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  Plastic smooth;
+  smooth.base_reflectance = C3f(0.4f);
+  RoughPlastic rough;
+  rough.base_reflectance = C3f(0.4f);
+  rough.prepare();
+  const auto leaf = [](const Bsdf& bsdf) {
+    return std::make_shared<const MaterialNode>(MaterialNode{TexturedModel{bsdf, {}}});
+  };
+  const Mixture mixture{C3f(0.4f), leaf(Diffuse{C3f(0.6f)}), leaf(Conductor{})};
+  scene.materials[2] = one_sided("smooth", smooth);
+  scene.materials[3] = one_sided("rough", rough);
+  scene.materials[4] =
+      one_sided("mixed", MaterialSide(std::make_shared<const MaterialNode>(MaterialNode{mixture})));
+  expect_agreement(scene, FormFactorMethod::rays, 800, 0.03);
+}
+
 TEST(RadiosityAgainstPath, RoomWithABox) {
   SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
   test::add_box(scene, "box", V3f(0.3f), V3f(0.6f), one_sided("box", Diffuse{C3f(0.5f)}));

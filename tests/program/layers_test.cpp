@@ -89,10 +89,31 @@ TEST_F(LayerFiles, AllLayersWithTheirNamesTypesAndSumsByEveryIntegrator) {
     const File file(folder_ / "a.exr");
     std::set<std::string> names;
     for (const auto& [name, plane] : file.planes) names.insert(name);
-    std::set<std::string> expected{"R",         "G",       "B",         "A",        "Z",         "N.X",
-                                   "N.Y",       "N.Z",     "Ng.X",      "Ng.Y",     "Ng.Z",      "P.X",
-                                   "P.Y",       "P.Z",     "uv.U",      "uv.V",     "id.object", "id.material",
-                                   "element.X", "cache.X", "samples.X", "invalid.X"};
+    std::set<std::string> expected{"R",
+                                   "G",
+                                   "B",
+                                   "A",
+                                   "Z",
+                                   "N.X",
+                                   "N.Y",
+                                   "N.Z",
+                                   "Ng.X",
+                                   "Ng.Y",
+                                   "Ng.Z",
+                                   "P.X",
+                                   "P.Y",
+                                   "P.Z",
+                                   "uv.U",
+                                   "uv.V",
+                                   "id.object",
+                                   "id.material",
+                                   "element.X",
+                                   "cache.X",
+                                   "samples.X",
+                                   "invalid.X",
+                                   "choice.lookup",
+                                   "choice.gather",
+                                   "choice.trace"};
     std::vector<std::string> colors{"albedo", "radiosity", "variance", "light_lamp"};
     colors.insert(colors.end(), std::begin(light_layers), std::end(light_layers));
     for (const std::string& color : colors)

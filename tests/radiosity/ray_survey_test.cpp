@@ -5,6 +5,7 @@
 #include "radiosity/analytic_exchange.h"
 #include "radiosity/subdivision.h"
 #include "render/core/parallel.h"
+#include "render/core/sampler.h"
 #include "tests/radiosity/test_scenes.h"
 
 namespace twopass {
@@ -52,6 +53,38 @@ TEST(RaySurvey, SeesTheSkyThroughAnOpening) {
   EXPECT_NEAR(sky.x, 2.0 * pi * open, 0.02);
   EXPECT_NEAR(sky.z, 0.5 * pi * open, 0.005);
   EXPECT_NEAR(survey.shares[0].in_the_sky + survey.shares[0].on_elements, 1.0f, 1e-6f);
+}
+
+// The sun is too small for rays in all directions: rays are drawn from the sky, too.
+TEST(RaySurvey, FindsTheSun) {
+  // A dim sky, one pixel of which holds nine tenths of the light.
+  Image picture(256, 129, {"R", "G", "B"});
+  for (float& value : picture.pixels) value = 0.1f;
+  for (int c = 0; c < 3; ++c) picture.at(64, 40, c) = 3e4f;
+  const Environment sky(std::make_shared<const EnvironmentMap>(picture, EnvironmentMapOptions{}, "sun"));
+  const V3f up = sky.sample({0.5f, 0.5f}).direction;  // most likely the sun
+  const Frame frame(up);
+  SceneDescription description;
+  test::add_diffuse(description, "ground", test::quad(V3f(0.0f), frame.s, frame.t), C3f(0.5f));
+  description.environment = sky;
+  const Scene scene(std::move(description));
+  C3d expected(0.0);
+  constexpr std::uint32_t samples = 1 << 17;
+  for (std::uint32_t k = 0; k < samples; ++k) {
+    const EnvironmentSample drawn = sky.sample(Sampler(1, 0, k).next_2d());
+    const float cosine = drawn.direction.dot(frame.n);
+    if (drawn.pdf_w > 0.0f && cosine > 0.0f)
+      expected += C3d(drawn.radiance) * static_cast<double>(cosine / drawn.pdf_w / static_cast<float>(samples));
+  }
+  ASSERT_GT(expected.x, 1.0);
+  const ElementMesh mesh = divide_surfaces(scene, 32);
+  const RaySurvey survey = survey_with_rays(scene, mesh, 64, 1);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(survey.sky[i][c], expected[c], 0.1 * expected[c]);
+  C3d mean(0.0);
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    mean += C3d(survey.sky[i]) / static_cast<double>(mesh.count());
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 0.01 * expected[c]);
 }
 
 TEST(RaySurvey, TheSkyCountsByDirection) {

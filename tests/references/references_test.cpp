@@ -47,13 +47,6 @@ const std::map<std::string, double> systematic_differences = {
 // What `twopass` may be off by, of the mean: the solution knows the elements' means, not how light varies on
 // them.
 constexpr double usual_bias_of_two_pass = 0.01;
-// Where it is more, as its certificate says, too. Light that metals reflect onto other surfaces is not in the
-// solution. Why the sun's is 5 % short is not known.
-const std::map<std::string, double> large_biases_of_two_pass = {{"bsdf_principled_glass", 0.04},
-                                                                {"bsdf_principled_metal", 0.04}};
-// A tenth of the light is missing (README, Limits), which the certificate says.
-const std::set<std::string> too_dark_by_two_pass = {"light_sunsky"};
-
 // Mean and variance of the mean of each value of a picture, from runs with different seeds.
 struct Converged {
   std::vector<double> mean, variance;
@@ -196,11 +189,6 @@ double systematic_difference(const std::string& name) {
   return found == systematic_differences.end() ? 0.0 : found->second;
 }
 
-double bias_of_two_pass(const std::string& name) {
-  const auto found = large_biases_of_two_pass.find(name);
-  return found == large_biases_of_two_pass.end() ? usual_bias_of_two_pass : found->second;
-}
-
 // TWOPASS_REFERENCE_SPP asks for other than the standard numbers of samples, which keep the test short.
 int samples_of(int standard) {
   const char* wanted = std::getenv("TWOPASS_REFERENCE_SPP");
@@ -234,9 +222,8 @@ TEST_P(References, UnbiasedAgreesWithinTheNoise) {
 
 TEST_P(References, TwoPassHasTheRightMean) {
   if (wrong_references.contains(GetParam())) GTEST_SKIP() << "the reference is wrong";
-  if (too_dark_by_two_pass.contains(GetParam())) GTEST_SKIP() << "known to be too dark";
   const Agreement agreement = compare(GetParam(), IntegratorKind::two_pass, samples_of(4),
-                                      systematic_difference(GetParam()) + bias_of_two_pass(GetParam()));
+                                      systematic_difference(GetParam()) + usual_bias_of_two_pass);
   EXPECT_LE(agreement.worst, most_sigmas);
 }
 

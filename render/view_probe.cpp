@@ -1,0 +1,128 @@
+#include "render/view_probe.h"
+
+#include <array>
+#include <vector>
+
+#include "integrators/path.h"
+#include "integrators/trace.h"
+#include "render/core/parallel.h"
+
+namespace twopass {
+
+namespace {
+
+constexpr int parts_a_side = 8;
+constexpr std::uint32_t pairs_of_a_part = 32;
+constexpr double variance_of_gathering = 0.25;
+// A path brighter than this many times its surroundings counts as one that is as bright: there are too few
+// paths to tell how rare it is.
+constexpr double brightest = 20.0;
+// So that the samples are none of the picture's.
+constexpr std::uint32_t own_seeds = 0x5a3c91e7u;
+
+// The path tracer up to where `twopass` would read a solution.
+class WithoutSolution final : public Integrator {
+ public:
+  WithoutSolution(const Scene& scene, const PathLimits& limits) : scene_(scene), limits_(limits) {}
+  void trace(std::span<PathSample> samples, RayCounts& counts) const override {
+    trace_bundles(scene_, limits_, samples, counts, [](Vertex& vertex) {
+      if (is_specular(vertex.bsdf())) return Step::scatter;
+      if (vertex.gathers() && !is_black(diffuse_reflectance(vertex.bsdf()))) return Step::end;
+      return Step::light_and_scatter;
+    });
+  }
+
+ private:
+  const Scene& scene_;
+  PathLimits limits_;
+};
+
+struct Look {
+  double mean = 0.0, variance = 0.0, rays = 0.0;  // of a path
+};
+
+// Half of the mean squared difference between two samples of the same ray is their variance. `surroundings`:
+// their mean radiance; 0: this look's own.
+Look look(const Integrator& integrator, const std::vector<PathSample>& samples, double surroundings) {
+  std::vector<PathSample> first = samples, second;
+  for (const PathSample& sample : samples) {
+    second.push_back(sample);
+    second.back().sampler = Sampler(own_seeds, 1, static_cast<std::uint32_t>(second.size()));
+  }
+  RayCounts counts;
+  integrator.trace(first, counts);
+  integrator.trace(second, counts);
+  const double n = static_cast<double>(samples.size());
+  Look result;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    result.mean += 0.5 * (mean_component(first[i].seen.radiance) + mean_component(second[i].seen.radiance)) / n;
+  result.rays = static_cast<double>(counts.rays + counts.shadow_rays) / (2.0 * n);
+  const double unit = surroundings > 0.0 ? surroundings : result.mean;
+  if (!(unit > 0.0) || !std::isfinite(unit)) return result;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double difference = std::min(mean_component(first[i].seen.radiance) / unit, brightest) -
+                              std::min(mean_component(second[i].seen.radiance) / unit, brightest);
+    result.variance += 0.5 * difference * difference / n;
+  }
+  return result;
+}
+
+std::vector<PathSample> samples_in(const Camera& camera, const PixelWindow& window, std::uint32_t part,
+                                   std::uint32_t seed) {
+  const V2f size = V2f(window.size) / static_cast<float>(parts_a_side);
+  const V2f corner = V2f(window.corner) + V2f(static_cast<float>(part % parts_a_side) * size.x,
+                                              static_cast<float>(part / parts_a_side) * size.y);
+  std::vector<PathSample> samples;
+  for (std::uint32_t k = 0; k < pairs_of_a_part; ++k) {
+    Sampler sampler(seed ^ own_seeds, part, k);
+    const V2f at = corner + size * sampler.next_2d();
+    const CameraRay seen = camera.has_lens() ? camera.ray(at, sampler.next_2d()) : camera.ray(at);
+    samples.push_back({seen.ray, sampler, {}, seen.reach});
+  }
+  return samples;
+}
+
+}  // namespace
+
+double ViewProbe::gain() const {
+  const double carried = std::max(0.0, variance - variance_without);
+  const double left = std::min(variance, variance_without) + variance_of_gathering * carried;
+  return left > 0.0 ? variance * rays / (left * rays_without) : 1.0;
+}
+
+ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow& window,
+                     const PathLimits& limits, std::uint32_t seed) {
+  constexpr std::size_t parts = std::size_t{parts_a_side} * parts_a_side;
+  std::array<ViewProbe, parts> probes;
+  const PathTracer path(scene, limits);
+  const WithoutSolution without(scene, limits);
+  parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t part = begin; part < end; ++part) {
+      const std::vector<PathSample> samples =
+          samples_in(camera, window, static_cast<std::uint32_t>(part), seed);
+      const Look all = look(path, samples, 0.0), some = look(without, samples, all.mean);
+      probes[part] = {all.variance, all.rays, some.variance, some.rays};
+    }
+  });
+  ViewProbe sum;
+  for (const ViewProbe& probe : probes) {
+    sum.variance += probe.variance / parts;
+    sum.rays += probe.rays / parts;
+    sum.variance_without += probe.variance_without / parts;
+    sum.rays_without += probe.rays_without / parts;
+  }
+  return sum;
+}
+
+void fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene, const Camera& camera,
+                 const PixelWindow& window, const PathLimits& limits, std::uint32_t seed, bool has_solution) {
+  if (!plan.radiosity_pass || integrator != IntegratorKind::two_pass || has_solution) return;
+  const ViewProbe probe = probe_view(scene, camera, window, limits, seed);
+  if (probe.gain() >= least_gain) return;
+  const bool sees_none = probe.variance_without >= probe.variance;
+  plan = {.skipped = {{"radiosity pass",
+                       sees_none ? "the picture sees no light that goes from one diffuse surface to another"
+                                 : "tracing paths is cheaper for this view"}}};
+}
+
+}  // namespace twopass

@@ -1,0 +1,38 @@
+// A look at a picture with few paths, before anything is prepared for it: what pass one could save there.
+#pragma once
+
+#include <cstdint>
+
+#include "render/plan.h"
+#include "render/scene/camera.h"
+#include "render/scene/scene.h"
+
+namespace twopass {
+
+/// What few samples of a picture say.
+struct ViewProbe {
+  double variance = 0.0;  ///< of a path's radiance over that of its surroundings in the picture
+  double rays = 0.0;      ///< of a path, of all kinds
+  /// The same of paths that end where a solution would be read, as if it were black: what pass one leaves to be
+  /// found.
+  double variance_without = 0.0, rays_without = 0.0;
+
+  /// How many times fewer rays two passes need for the same error, pass one not counted: what the solution
+  /// brings is taken to keep a quarter of its variance, that of gathering it.
+  [[nodiscard]] double gain() const;
+};
+
+/// 2048 pairs of paths, spread over 8x8 parts of the picture. Deterministic.
+ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow& window,
+                     const PathLimits& limits, std::uint32_t seed);
+
+/// The gain below which pass one is not worth its own time.
+inline constexpr double least_gain = 1.15;
+
+/// Takes the radiosity pass of `two_pass` out of the plan where the view gains too little by it. Where a
+/// solution is there already (`has_solution`), it costs nothing.
+void fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene, const Camera& camera,
+                 const PixelWindow& window, const PathLimits& limits, std::uint32_t seed,
+                 bool has_solution = false);
+
+}  // namespace twopass

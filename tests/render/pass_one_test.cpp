@@ -1,0 +1,94 @@
+#include "render/pass_one.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+constexpr PixelWindow window{{0, 0}, {32, 24}};
+
+struct Room {
+  Scene scene{test::furnished_room()};
+  Camera camera{{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
+                window.size.x,
+                window.size.y};
+  Plan plan = plan_render(needs_of(scene.description()), IntegratorKind::two_pass, {});
+  std::vector<std::string> said;
+
+  [[nodiscard]] PassOneJob job() const {
+    return {.scene = scene,
+            .plan = plan,
+            .integrator = IntegratorKind::two_pass,
+            .radiosity = radiosity_options(IntegratorKind::two_pass, {}, camera, window, {})};
+  }
+  PreparedPassOne prepare(PassOneJob job, const BiasGoal& goal) {
+    said.clear();
+    return prepare_within_bias(std::move(job), camera, window, {}, goal,
+                               [&](const std::string& text) { said.push_back(text); });
+  }
+};
+
+// A solution with a fifth too much light.
+Solution brightened(const Solution& solved) {
+  std::vector<Irradiance> irradiance;
+  for (const Irradiance& h : solved.irradiances()) irradiance.push_back({h.direct * 1.2f, h.indirect * 1.2f});
+  return Solution(solved.mesh(), std::move(irradiance), solved.stats());
+}
+
+TEST(PassOne, IsLeftAsItIsWhereItsBiasIsNotMoreThanItMayBe) {
+  Room room;
+  const PreparedPassOne done = room.prepare(room.job(), {.most = 0.02, .rays = 2e5});
+  EXPECT_TRUE(done.solution);
+  EXPECT_TRUE(done.field);
+  EXPECT_FALSE(done.gathers_twice);
+  EXPECT_TRUE(room.said.empty());
+}
+
+// What is read of a wrong solution is wrong; what is read one surface later is wrong by less; paths are right.
+TEST(PassOne, IsReadLaterOrNotAtAllWhereItIsWrong) {
+  Room room;
+  const Solution right = solve_radiosity(room.scene, room.job().radiosity);
+  PassOneJob job = room.job();
+  job.solved = brightened(right);
+  const PreparedPassOne once = room.prepare(std::move(job), {.most = 0.005, .rays = 4e5});
+  EXPECT_FALSE(once.solution);
+  ASSERT_EQ(room.said.size(), 2u);
+  EXPECT_NE(room.said[0].find("gathering goes over one more surface"), std::string::npos);
+  EXPECT_NE(room.said[1].find("without pass one"), std::string::npos);
+  EXPECT_GT(once.time().cpu_seconds, 0.0);
+
+  PassOneJob again = room.job();
+  again.solved = brightened(right);
+  const PreparedPassOne lenient = room.prepare(std::move(again), {.most = 0.06, .rays = 4e5});
+  EXPECT_TRUE(lenient.solution);
+  EXPECT_EQ(lenient.gathers_twice, room.said.size() == 1);
+}
+
+TEST(PassOne, IsSolvedAgainOnMoreElementsFirst) {
+  Room room;
+  // So little that only finer elements, and then nothing less than paths, will do.
+  BiasGoal goal{.most = -1.0, .rays = 5e4};
+  const PreparedPassOne done = room.prepare(room.job(), goal);
+  EXPECT_FALSE(done.solution);
+  ASSERT_EQ(room.said.size(), 3u);
+  EXPECT_NE(room.said[0].find("elements instead of"), std::string::npos);
+  // There is no time for that in a render of a tenth of a microsecond.
+  goal.seconds = 1e-7;
+  const PreparedPassOne short_of_time = room.prepare(room.job(), goal);
+  ASSERT_EQ(room.said.size(), 2u);
+  EXPECT_EQ(room.said[0].find("elements instead of"), std::string::npos);
+}
+
+TEST(PassOne, TheBiasThatIsAllowedFollowsTheNoiseThatIsAskedFor) {
+  EXPECT_DOUBLE_EQ(bias_goal({16, 0.0, 0.0}, window, 1).most, 0.005);
+  EXPECT_DOUBLE_EQ(bias_goal({0, 0.0, 0.03}, window, 1).most, 0.005);
+  EXPECT_DOUBLE_EQ(bias_goal({0, 0.0, 0.012}, window, 1).most, 0.002);
+  EXPECT_DOUBLE_EQ(bias_goal({0, 0.0, 1e-4}, window, 1).most, 0.001);
+  EXPECT_GT(bias_goal({64, 0.0, 0.0}, window, 1).rays, bias_goal({16, 0.0, 0.0}, window, 1).rays);
+  EXPECT_LT(bias_goal({64, 1e-3, 0.0}, window, 1).rays, bias_goal({64, 0.0, 0.0}, window, 1).rays);
+}
+
+}  // namespace
+}  // namespace twopass
