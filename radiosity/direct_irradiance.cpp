@@ -72,20 +72,21 @@ class AnalyticDirect {
         exchange_(mesh.count() * emitters_.size()) {}
 
   void find_exchange(FormFactorMethod method, std::uint32_t seed, std::uint64_t& rays) {
-    // 16 for each of up to four emitters; more emitters share them, because their errors average out.
-    const auto pairs = static_cast<std::uint32_t>(std::clamp<std::size_t>(64 / emitters_.size(), 4, 16));
+    for_each_pair([&](std::uint32_t i, std::size_t e) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < mesh_.patch_count(i); ++k)
+        sum += unoccluded_exchange_with(mesh_.patch(i, k), emitters_[e], method, key_of(seed, i, e));
+      exchange(i, e) = sum;
+    });
+    std::vector<double> total(emitters_.size(), 0.0);
+    for (std::size_t i = 0; i < mesh_.count(); ++i)
+      for (std::size_t e = 0; e < emitters_.size(); ++e) total[e] += exchange(i, e);
     std::atomic<std::uint64_t> rays_cast{0};
-    parallel_for(mesh_.count(), 32, [&](std::size_t begin, std::size_t end) {
-      throw_if_interrupted();
+    for_each_pair([&](std::uint32_t i, std::size_t e) {
+      if (!(exchange(i, e) > 0.0)) return;
       std::uint64_t own_rays = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        for (std::size_t e = 0; e < emitters_.size(); ++e) {
-          const std::uint32_t key =
-              hash_words(hash_words(seed, static_cast<std::uint32_t>(i)), ~std::uint32_t(e));
-          exchange(i, e) =
-              exchange_of(static_cast<std::uint32_t>(i), emitters_[e], method, key, pairs, own_rays);
-        }
-      }
+      exchange(i, e) =
+          visible_exchange(i, e, method, key_of(seed, i, e), pairs_for(exchange(i, e) / total[e]), own_rays);
       rays_cast += own_rays;
     });
     rays += rays_cast;
@@ -119,18 +120,48 @@ class AnalyticDirect {
  private:
   double& exchange(std::size_t i, std::size_t e) { return exchange_[i * emitters_.size() + e]; }
 
-  // Of all patches of the element, in which the shadow rays share.
-  [[nodiscard]] double exchange_of(std::uint32_t element, const Emitter& emitter, FormFactorMethod method,
-                                   std::uint32_t key, std::uint32_t pairs, std::uint64_t& rays) const {
+  static std::uint32_t key_of(std::uint32_t seed, std::uint32_t element, std::size_t emitter) {
+    return hash_words(hash_words(seed, element), ~static_cast<std::uint32_t>(emitter));
+  }
+
+  template <class Use>
+  void for_each_pair(const Use& use) {
+    parallel_for(mesh_.count(), 32, [&](std::size_t begin, std::size_t end) {
+      throw_if_interrupted();
+      for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
+        for (std::size_t e = 0; e < emitters_.size(); ++e) use(i, e);
+    });
+  }
+
+  // Shadow rays to an emitter, of which the element could catch a share, were nothing in between: 16 for each
+  // of up to four emitters; more emitters share them, because their errors average out. Four times as many
+  // where the share is more than four times that of an average element, and so on: the error of an element that
+  // catches a tenth of the light is that of the whole scene.
+  [[nodiscard]] std::uint32_t pairs_for(double share) const {
+    constexpr std::uint32_t most = 4096;
+    auto pairs = static_cast<std::uint32_t>(std::clamp<std::size_t>(64 / emitters_.size(), 4, 16));
+    for (double part = share * static_cast<double>(mesh_.count()); part > 4.0 && pairs < most; part /= 4.0)
+      pairs *= 4;
+    return pairs;
+  }
+
+  // Of all patches of the element, in which the shadow rays share. What has one patch has its exchange without
+  // obstacles already.
+  [[nodiscard]] double visible_exchange(std::uint32_t element, std::size_t e, FormFactorMethod method,
+                                        std::uint32_t key, std::uint32_t pairs, std::uint64_t& rays) {
+    const Emitter& emitter = emitters_[e];
     const std::size_t patches = mesh_.patch_count(element);
-    const std::uint32_t share = std::max<std::uint32_t>(1, pairs / static_cast<std::uint32_t>(patches));
+    if (patches == 1)
+      return exchange(element, e) *
+             visible_fraction(scene_.caster(), mesh_.patch(element), emitter.patch, key, pairs, rays);
+    const std::uint32_t own = std::max<std::uint32_t>(1, pairs / static_cast<std::uint32_t>(patches));
     double sum = 0.0;
     for (std::size_t k = 0; k < patches; ++k) {
       const Patch patch = mesh_.patch(element, k);
       const double unoccluded = unoccluded_exchange_with(patch, emitter, method, key);
       if (unoccluded > 0.0)
         sum += unoccluded * visible_fraction(scene_.caster(), patch, emitter.patch,
-                                             key + static_cast<std::uint32_t>(k), share, rays);
+                                             key + static_cast<std::uint32_t>(k), own, rays);
     }
     return sum;
   }
