@@ -237,6 +237,56 @@ MaterialNodePtr behind(const MaterialNodePtr& node) {
   return std::make_shared<const MaterialNode>(std::move(result));
 }
 
+// f(number, colour) of each parameter of a model that is a colour.
+template <class F>
+void for_each_color(Bsdf& bsdf, const F& f) {
+  std::visit(
+      [&]<class Model>(Model& model) {
+        std::size_t number = 0;
+        Model::visit_parameters(model, [&]<class Parameter>(std::string_view name, Parameter& parameter) {
+          if constexpr (std::is_same_v<Parameter, C3f>)
+            if (name != "eta" && name != "k") f(number, parameter);
+          ++number;
+        });
+      },
+      bsdf);
+}
+
+// What a metal reflects straight back: the colour that its specular reflectance is a factor of. White of
+// others.
+C3f metal_of(const Bsdf& bsdf) {
+  if (const auto* metal = std::get_if<Conductor>(&bsdf)) return fresnel_conductor(1.0f, metal->eta, metal->k);
+  if (const auto* metal = std::get_if<RoughConductor>(&bsdf))
+    return fresnel_conductor(1.0f, metal->eta, metal->k);
+  return C3f(1.0f);
+}
+
+TexturedModel in_primaries(TexturedModel model, const ColorMatrix& primaries) {
+  const ColorMatrix own = primaries.relative_to(metal_of(model.bsdf));
+  for_each_color(model.bsdf, [&](std::size_t number, C3f& color) {
+    color = own(color);
+    for (TextureBinding& binding : model.textures)
+      if (binding.parameter == number) binding.texture = in_primaries(std::move(binding.texture), own);
+  });
+  return model;
+}
+
+MaterialNodePtr in_primaries(const MaterialNodePtr& node, const ColorMatrix& primaries) {
+  MaterialNode result = *node;
+  if (auto* model = std::get_if<TexturedModel>(&result.kind)) {
+    *model = in_primaries(std::move(*model), primaries);
+  } else if (auto* mixture = std::get_if<Mixture>(&result.kind)) {
+    mixture->first = in_primaries(mixture->first, primaries);
+    mixture->second = in_primaries(mixture->second, primaries);
+  } else if (auto* bump = std::get_if<BumpMap>(&result.kind)) {
+    bump->nested = in_primaries(bump->nested, primaries);
+  } else {
+    auto& map = std::get<NormalMap>(result.kind);
+    map.nested = in_primaries(map.nested, primaries);
+  }
+  return std::make_shared<const MaterialNode>(std::move(result));
+}
+
 MaterialNodePtr changed(const MaterialNodePtr& node, const std::function<Texture(const Texture&)>& change) {
   MaterialNode result = *node;
   if (auto* model = std::get_if<TexturedModel>(&result.kind)) {
@@ -292,6 +342,12 @@ Material with_textures(const Material& material, const std::function<Texture(con
   Material result = material;
   for (MaterialSide& side : result.side)
     if (!side.is_uniform()) side = MaterialSide(changed(side.node(), change));
+  return result;
+}
+
+Material in_primaries(const Material& material, const ColorMatrix& primaries) {
+  Material result = material;
+  for (MaterialSide& side : result.side) side = MaterialSide(in_primaries(side.node(), primaries));
   return result;
 }
 

@@ -141,6 +141,10 @@ inline Material two_sided(std::string name, const MaterialSide& front_side, cons
 /// The material with change(texture) in place of every texture.
 Material with_textures(const Material& material, const std::function<Texture(const Texture&)>& change);
 
+/// The material with all of its colours in other primaries; indices of refraction are none, and metals keep the
+/// colour that they have at normal incidence.
+Material in_primaries(const Material& material, const ColorMatrix& primaries);
+
 /// The material of a model with the back that belongs to it: `seen_from_behind`.
 Material material_of(std::string name, const MaterialSide& front_side);
 /// A closed or open interface; `outside` is the model seen from the front.

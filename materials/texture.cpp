@@ -15,6 +15,13 @@ C3f adjusted(const std::optional<TexelScale>& scale, const C3f& texel) {
   return scale ? adjusted(*scale, texel) : texel;
 }
 
+// The colour that is made of a texel.
+template <class Kind>
+C3f finished(const Kind& texture, const C3f& texel) {
+  const C3f color = adjusted(texture.scale, texel);
+  return texture.primaries ? (*texture.primaries)(color) : color;
+}
+
 // The texel that stands for an index beyond the image.
 int wrapped(int i, int size, TextureWrap wrap) {
   if (static_cast<unsigned>(i) < static_cast<unsigned>(size)) return i;
@@ -101,15 +108,14 @@ C3f color_of(const Bitmap& bitmap, const TexturePoint& at) {
   if (bitmap.filter == TextureFilter::nearest) {
     const V2i size = bitmap.image->size(level);
     const V2f texel = texel_coordinates(bitmap, size, at.uv);
-    return adjusted(
-        bitmap.scale,
-        bitmap.image->texel(level, wrapped(static_cast<int>(std::floor(texel.x)), size.x, bitmap.wrap_u),
-                            wrapped(static_cast<int>(std::floor(texel.y)), size.y, bitmap.wrap_v)));
+    return finished(bitmap, bitmap.image->texel(
+                                level, wrapped(static_cast<int>(std::floor(texel.x)), size.x, bitmap.wrap_u),
+                                wrapped(static_cast<int>(std::floor(texel.y)), size.y, bitmap.wrap_v)));
   }
   const Patch p = patch_at(bitmap, level, at.uv);
   const TexelPatch& t = p.texels;
   const C3f upper = t.c00 * (1.0f - p.x) + t.c10 * p.x, lower = t.c01 * (1.0f - p.x) + t.c11 * p.x;
-  return adjusted(bitmap.scale, upper * (1.0f - p.y) + lower * p.y);
+  return finished(bitmap, upper * (1.0f - p.y) + lower * p.y);
 }
 
 // The tile at a point; an edge between two belongs to the first. Null: there is none.
@@ -131,7 +137,7 @@ C3f color_of(const MeshColors& colors, const TexturePoint& at) {
   if (!colors.values || at.place.triangle >= colors.values->corners.size()) return C3f(0.0f);
   const std::array<C3f, 3>& corner = colors.values->corners[at.place.triangle];
   const V2f& b = at.place.barycentric;
-  return adjusted(colors.scale, corner[0] * (1.0f - b.x - b.y) + corner[1] * b.x + corner[2] * b.y);
+  return finished(colors, corner[0] * (1.0f - b.x - b.y) + corner[1] * b.x + corner[2] * b.y);
 }
 
 // The second scale after the first, whose limits are those of what is already in range.
@@ -176,10 +182,10 @@ C3f mean_color(const Texture& texture) {
   if (const auto* color = std::get_if<C3f>(&texture)) return *color;
   if (const auto* checkerboard = std::get_if<Checkerboard>(&texture))
     return (checkerboard->color0 + checkerboard->color1) * 0.5f;
-  const auto mean = [](const Bitmap& bitmap) { return adjusted(bitmap.scale, bitmap.image->mean()); };
+  const auto mean = [](const Bitmap& bitmap) { return finished(bitmap, bitmap.image->mean()); };
   if (const auto* bitmap = std::get_if<Bitmap>(&texture)) return mean(*bitmap);
   if (const auto* colors = std::get_if<MeshColors>(&texture))
-    return colors->values ? adjusted(colors->scale, colors->values->mean) : C3f(0.0f);
+    return colors->values ? finished(*colors, colors->values->mean) : C3f(0.0f);
   C3f sum(0.0f);
   float count = 0.0f;
   for (const Bitmap& tile : std::get<Udim>(texture).tiles)
@@ -210,6 +216,22 @@ Texture scaled(Texture texture, const TexelScale& scale) {
     colors->scale = combined(colors->scale, scale);
   } else {
     for (Bitmap& tile : std::get<Udim>(texture).tiles) tile.scale = combined(tile.scale, scale);
+  }
+  return texture;
+}
+
+Texture in_primaries(Texture texture, const ColorMatrix& primaries) {
+  if (auto* color = std::get_if<C3f>(&texture)) {
+    *color = primaries(*color);
+  } else if (auto* checkerboard = std::get_if<Checkerboard>(&texture)) {
+    checkerboard->color0 = primaries(checkerboard->color0);
+    checkerboard->color1 = primaries(checkerboard->color1);
+  } else if (auto* bitmap = std::get_if<Bitmap>(&texture)) {
+    bitmap->primaries = primaries;
+  } else if (auto* colors = std::get_if<MeshColors>(&texture)) {
+    colors->primaries = primaries;
+  } else {
+    for (Bitmap& tile : std::get<Udim>(texture).tiles) tile.primaries = primaries;
   }
   return texture;
 }

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "render/core/color_matrix.h"
 #include "render/image/texture_image.h"
 
 namespace twopass {
@@ -63,6 +64,8 @@ struct Bitmap {
   TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
   UvTransform to_uv{};
   std::optional<TexelScale> scale{};
+  std::optional<ColorMatrix>
+      primaries{};  ///< from those of the image, after the scale; of colours, not of numbers
 };
 
 /// Images side by side, one for each unit square of the texture coordinates, as their names tell by number
@@ -82,6 +85,7 @@ struct MeshColors {
   std::string name;                      ///< of the mesh's attribute
   std::shared_ptr<const Values> values;  ///< null until the mesh is known: black
   std::optional<TexelScale> scale{};
+  std::optional<ColorMatrix> primaries{};  ///< as in Bitmap
 };
 
 /// A colour, the same everywhere, or one of the above. Where a number is wanted, it is the colour's luminance.
@@ -103,6 +107,9 @@ float mean_number(const Texture& texture);
 float aspect_of(const Texture& texture);
 /// factor * texture + offset, limited to [lowest, highest].
 Texture scaled(Texture texture, const TexelScale& scale);
+/// The texture of colours in other primaries. REQUIRES: it is in none yet. Not for what is looked at as a
+/// number.
+Texture in_primaries(Texture texture, const ColorMatrix& primaries);
 inline bool is_constant(const Texture& texture) { return std::holds_alternative<C3f>(texture); }
 
 }  // namespace twopass

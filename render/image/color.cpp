@@ -103,15 +103,23 @@ const char* interchange_of(const NamedConfig& named) {
   return ocio::ROLE_INTERCHANGE_SCENE;
 }
 
-// From our pixels to the display: the space they are in, by name or through ACES2065-1, then the view.
+// From our pixels to the display: the space they are in, by name or through ACES2065-1, then looks, then the
+// view.
 ocio::ConstTransformRcPtr make_transform(const NamedConfig& named, const std::string& display,
-                                         const std::string& view) {
+                                         const std::string& view, const DisplayOptions& options) {
   const ocio::GroupTransformRcPtr group = ocio::GroupTransform::Create();
-  std::string source = linear_rec709_of(*named.config);
+  std::string source = options.working_space.empty() ? linear_rec709_of(*named.config) : options.working_space;
   if (source.empty()) {
     source = interchange_of(named);
     append_builtin(*group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", ocio::TRANSFORM_DIR_INVERSE);
     append_builtin(*group, "ACEScg_to_ACES2065-1", ocio::TRANSFORM_DIR_FORWARD);
+  }
+  if (!options.look.empty()) {
+    const ocio::LookTransformRcPtr look = ocio::LookTransform::Create();
+    look->setSrc(source.c_str());
+    look->setDst(source.c_str());
+    look->setLooks(options.look.c_str());
+    group->appendTransform(look);
   }
   const ocio::DisplayViewTransformRcPtr to_display = ocio::DisplayViewTransform::Create();
   to_display->setSrc(source.c_str());
@@ -137,10 +145,75 @@ ocio::ConstTransformRcPtr make_input_transform(const NamedConfig& named, const s
 }
 
 std::string describe(const NamedConfig& named, const std::string& display, const std::string& view,
-                     float stops) {
+                     const DisplayOptions& options) {
   std::ostringstream text;
-  text << "config " << named.name << ", display " << display << ", view " << view << ", exposure " << stops;
+  text << "config " << named.name << ", display " << display << ", view " << view;
+  if (!options.look.empty()) text << ", look " << options.look;
+  text << ", exposure " << options.exposure_stops;
   return text.str();
+}
+
+std::vector<std::string> looks_of(const ocio::Config& config) {
+  std::vector<std::string> names;
+  for (int i = 0; i < config.getNumLooks(); ++i) names.emplace_back(config.getLookNameByIndex(i));
+  return names;
+}
+
+std::vector<std::string> color_spaces_of(const ocio::Config& config) {
+  std::vector<std::string> names;
+  for (int i = 0; i < config.getNumColorSpaces(); ++i) names.emplace_back(config.getColorSpaceNameByIndex(i));
+  return names;
+}
+
+// Throws when a configuration has no space of this name, alias or role.
+void check_color_space(const NamedConfig& named, const std::string& name, std::string_view where,
+                       std::string_view remedy) {
+  if (named.config->getColorSpace(name.c_str()) != nullptr) return;
+  const std::vector<std::string> known = color_spaces_of(*named.config);
+  const std::vector<std::string_view> views(known.begin(), known.end());
+  throw Error(where, "the OpenColorIO configuration " + named.name + " has no colour space '" + name + "'",
+              "use one of: " + join_names(views) + std::string(remedy));
+}
+
+C3f through(const ocio::ConstCPUProcessorRcPtr& processor, const C3f& color) {
+  float rgb[3] = {color.x, color.y, color.z};
+  processor->applyRGB(rgb);
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+// The matrix of a transform; throws when it is not linear.
+ColorMatrix matrix_of(const ocio::ConstCPUProcessorRcPtr& processor, const std::string& space) {
+  const ColorMatrix matrix{{through(processor, C3f(1.0f, 0.0f, 0.0f)),
+                            through(processor, C3f(0.0f, 1.0f, 0.0f)),
+                            through(processor, C3f(0.0f, 0.0f, 1.0f))}};
+  for (const C3f& color : {C3f(0.18f), C3f(0.02f, 0.3f, 0.7f), C3f(40.0f, 4.0f, 16.0f)}) {
+    const C3f expected = matrix.image[0] * color.x + matrix.image[1] * color.y + matrix.image[2] * color.z;
+    const C3f found = through(processor, color);
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(found[c] - expected[c]) <= 1e-4f * max_component(color)))
+        throw Error("--working-space", "the colour space '" + space + "' is not linear",
+                    "give a scene-linear one, such as ACEScg");
+  }
+  return matrix;
+}
+
+// Names of the Color Interop Forum, by what the spaces make of Rec.709's green (Bradford adaptation).
+std::string interop_id_of(const ColorMatrix& from_rec709) {
+  struct Known {
+    const char* id;
+    C3f green;
+  };
+  constexpr float tolerance = 2e-4f;
+  const Known known[] = {{"lin_rec709_scene", C3f(0.0f, 1.0f, 0.0f)},
+                         {"lin_ap1_scene", C3f(0.339523f, 0.916354f, 0.109570f)},
+                         {"lin_ap0_scene", C3f(0.382989f, 0.813440f, 0.111546f)},
+                         {"lin_rec2020_scene", C3f(0.329283f, 0.919540f, 0.088013f)},
+                         {"lin_p3d65_scene", C3f(0.177538f, 0.966806f, 0.072397f)}};
+  for (const Known& space : known) {
+    const C3f d = from_rec709.image[1] - space.green;
+    if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= tolerance) return space.id;
+  }
+  return {};
 }
 
 // One value that is not finite would turn its whole pixel into NaN in the ACES views, and huge ones wrap to
@@ -150,6 +223,27 @@ float sanitized(float value) {
 }
 
 }  // namespace
+
+WorkingSpace find_working_space(const std::string& name, const std::string& config) {
+  if (name.empty()) return {};
+  const NamedConfig named = load_config(config);
+  check_color_space(named, name, "--working-space", "; or choose another configuration with --ocio");
+  try {
+    const ocio::ConstTransformRcPtr to_rec709 = make_input_transform(named, name);
+    const auto processor = [&](ocio::TransformDirection direction) {
+      return named.config->getProcessor(to_rec709, direction)->getDefaultCPUProcessor();
+    };
+    WorkingSpace space{name,
+                       matrix_of(processor(ocio::TRANSFORM_DIR_INVERSE), name),
+                       matrix_of(processor(ocio::TRANSFORM_DIR_FORWARD), name),
+                       {}};
+    space.interop_id = interop_id_of(space.from_rec709);
+    return space;
+  } catch (const ocio::Exception& e) {
+    throw Error("--working-space " + name, "it cannot be used: " + std::string(e.what()),
+                "check the configuration and the files it refers to");
+  }
+}
 
 struct DisplayTransform::Impl {
   ocio::ConstCPUProcessorRcPtr processor;
@@ -171,9 +265,11 @@ DisplayTransform::DisplayTransform(const DisplayOptions& options) : impl_(std::m
       choose(options.display, config.getDefaultDisplay(), displays_of(config), "--display", named.name);
   impl_->view = choose(options.view, config.getDefaultView(impl_->display.c_str()),
                        views_of(config, impl_->display), "--view", named.name);
-  impl_->description = describe(named, impl_->display, impl_->view, options.exposure_stops);
+  if (!options.look.empty()) choose(options.look, "", looks_of(config), "--look", named.name);
+  if (!options.working_space.empty()) check_color_space(named, options.working_space, "--working-space", "");
+  impl_->description = describe(named, impl_->display, impl_->view, options);
   try {
-    const ocio::ConstTransformRcPtr transform = make_transform(named, impl_->display, impl_->view);
+    const ocio::ConstTransformRcPtr transform = make_transform(named, impl_->display, impl_->view, options);
     impl_->processor = config.getProcessor(transform)->getDefaultCPUProcessor();
   } catch (const ocio::Exception& e) {
     throw Error(named.origin + " " + named.name,
@@ -203,14 +299,7 @@ ColorSpaceTransform::ColorSpaceTransform(const std::string& color_space, const s
                                          std::string_view where)
     : impl_(std::make_unique<Impl>()) {
   const NamedConfig named = load_config(config);
-  if (named.config->getColorSpace(color_space.c_str()) == nullptr) {
-    std::vector<std::string_view> known;
-    for (int i = 0; i < named.config->getNumColorSpaces(); ++i)
-      known.push_back(named.config->getColorSpaceNameByIndex(i));
-    throw Error(where,
-                "the OpenColorIO configuration " + named.name + " has no colour space '" + color_space + "'",
-                "use one of: " + join_names(known) + "; or choose another configuration with $OCIO");
-  }
+  check_color_space(named, color_space, where, "; or choose another configuration with $OCIO");
   try {
     impl_->processor =
         named.config->getProcessor(make_input_transform(named, color_space))->getDefaultCPUProcessor();

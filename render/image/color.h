@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "render/core/color_matrix.h"
+
 namespace twopass {
 
 /// Empty texts mean the default.
@@ -14,26 +16,44 @@ struct DisplayOptions {
   std::string config{};         ///< file of an OpenColorIO configuration; default $OCIO, else the built-in one
   std::string display{};        ///< default: the configuration's
   std::string view{};           ///< default: that display's
+  std::string look{};           ///< looks of the configuration to apply before the view, or none
+  std::string working_space{};  ///< what pixels are in, as WorkingSpace::name; default linear Rec.709
   float exposure_stops = 0.0f;  ///< radiance is multiplied by 2^stops first
 };
+
+/// The space that light is computed and pictures are stored in: linear, by name.
+struct WorkingSpace {
+  std::string name{};         ///< as the configuration calls it; empty: linear Rec.709
+  ColorMatrix from_rec709{};  ///< of colours
+  ColorMatrix to_rec709{};
+  std::string interop_id{
+      "lin_rec709_scene"};  ///< of the Color Interop Forum; empty: it has none for this space
+  [[nodiscard]] bool is_rec709() const { return interop_id == "lin_rec709_scene"; }
+};
+
+/// The space of a configuration (as in DisplayOptions) with this name, alias or role; empty: linear Rec.709.
+/// Throws Error when there is none (listing those there are), it is not linear, or the configuration does not
+/// say how it relates to Rec.709.
+WorkingSpace find_working_space(const std::string& name, const std::string& config);
 
 /// A display and view of an OpenColorIO configuration, ready to apply. Immutable; may be shared by threads.
 class DisplayTransform {
  public:
-  /// Throws Error when the configuration cannot be read (never falls back to another one), the display or view
-  /// is unknown (listing those that exist), or the configuration does not say how it relates to Rec.709.
+  /// Throws Error when the configuration cannot be read (never falls back to another one), the display, view,
+  /// look or working space is unknown (listing those that exist), or the configuration does not say how it
+  /// relates to Rec.709.
   explicit DisplayTransform(const DisplayOptions& options = {});
   ~DisplayTransform();
   DisplayTransform(DisplayTransform&&) noexcept;
   DisplayTransform& operator=(DisplayTransform&&) noexcept;
 
-  /// Turns linear Rec.709 triples into display-encoded ones in [0,1], in place. Values that are not finite
-  /// count as 0. REQUIRES: the size is a multiple of 3.
+  /// Turns triples of the working space into display-encoded ones in [0,1], in place. Values that are not
+  /// finite count as 0. REQUIRES: the size is a multiple of 3.
   void apply(std::span<float> rgb) const;
 
   [[nodiscard]] const std::string& display() const;
   [[nodiscard]] const std::string& view() const;
-  /// "config, display, view, exposure" for metadata and reports.
+  /// "config, display, view, look, exposure" for metadata and reports.
   [[nodiscard]] const std::string& description() const;
 
  private:

@@ -22,7 +22,7 @@ auto visit_kind(const auto& kind, const OfConstant& of_constant, const OfPointer
 C3f Environment::radiance(const V3f& direction) const {
   return visit_kind(
       kind_, [](const C3f& constant) { return constant; },
-      [&](const auto& lit) { return lit.radiance(direction); });
+      [&](const auto& lit) { return shown(lit.radiance(direction)); });
 }
 
 EnvironmentSample Environment::sample(const V2f& u) const {
@@ -33,7 +33,7 @@ EnvironmentSample Environment::sample(const V2f& u) const {
       },
       [&](const auto& lit) {
         const auto drawn = lit.sample(u);
-        return EnvironmentSample{drawn.direction, drawn.radiance, drawn.pdf_w};
+        return EnvironmentSample{drawn.direction, shown(drawn.radiance), drawn.pdf_w};
       });
 }
 
@@ -45,7 +45,16 @@ float Environment::pdf_w(const V3f& direction) const {
 C3f Environment::mean_radiance() const {
   return visit_kind(
       kind_, [](const C3f& constant) { return constant; },
-      [](const auto& lit) { return C3f(lit.mean_radiance()); });
+      [&](const auto& lit) { return shown(lit.mean_radiance()); });
+}
+
+Environment Environment::in_primaries(const ColorMatrix& primaries) const {
+  Environment result = *this;
+  if (auto* constant = std::get_if<C3f>(&result.kind_))
+    *constant = primaries(*constant);
+  else
+    result.primaries_ = primaries;
+  return result;
 }
 
 std::optional<C3f> Environment::constant() const {
@@ -69,6 +78,8 @@ std::uint64_t Environment::fingerprint() const {
         return own.value();
       },
       [](const auto& lit) { return lit.fingerprint(); }));
+  if (primaries_)
+    for (const C3f& color : primaries_->image) hash.add(color);
   return hash.value();
 }
 

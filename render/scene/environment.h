@@ -5,6 +5,7 @@
 #include <optional>
 #include <variant>
 
+#include "render/core/color_matrix.h"
 #include "render/core/types.h"
 #include "render/scene/environment_map.h"
 #include "render/scene/sun_sky.h"
@@ -39,6 +40,9 @@ class Environment {
   /// Mean radiance over all directions: how often next-event estimation chooses the environment.
   [[nodiscard]] C3f mean_radiance() const;
 
+  /// The same with its colours in other primaries. REQUIRES: they are in none yet.
+  [[nodiscard]] Environment in_primaries(const ColorMatrix& primaries) const;
+
   /// The radiance, where it is the same from all directions.
   [[nodiscard]] std::optional<C3f> constant() const;
   /// "none", "constant", "envmap" or "sunsky".
@@ -47,7 +51,10 @@ class Environment {
   [[nodiscard]] std::uint64_t fingerprint() const;
 
  private:
+  [[nodiscard]] C3f shown(const C3f& color) const { return primaries_ ? (*primaries_)(color) : color; }
+
   std::variant<C3f, std::shared_ptr<const EnvironmentMap>, std::shared_ptr<const SunSky>> kind_;
+  std::optional<ColorMatrix> primaries_;  // of what stands behind a pointer
 };
 
 }  // namespace twopass

@@ -161,6 +161,27 @@ const char* kind_name(const PunctualLight& light) {
   return names[light.index()];
 }
 
+PunctualLight in_primaries(PunctualLight light, const ColorMatrix& primaries) {
+  const auto textured = [](const std::shared_ptr<const Texture>& texture, const ColorMatrix& own) {
+    return std::make_shared<const Texture>(in_primaries(*texture, own));
+  };
+  if (auto* point = std::get_if<PointLight>(&light)) {
+    point->intensity = primaries(point->intensity);
+  } else if (auto* spot = std::get_if<SpotLight>(&light)) {
+    if (spot->texture)
+      // The texture's factors are colours of the beam.
+      spot->texture = textured(spot->texture, primaries.relative_to(spot->intensity));
+    else
+      spot->intensity = primaries(spot->intensity);
+  } else if (auto* directional = std::get_if<DirectionalLight>(&light)) {
+    directional->irradiance = primaries(directional->irradiance);
+  } else {
+    auto& projector = std::get<Projector>(light);
+    projector.texture = textured(projector.texture, primaries);
+  }
+  return light;
+}
+
 std::uint64_t fingerprint(const PunctualLight& light) {
   DataHash hash;
   hash.add(std::uint64_t{light.index()});

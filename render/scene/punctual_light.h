@@ -4,9 +4,9 @@
 #include <memory>
 #include <variant>
 
+#include "materials/texture.h"
 #include "render/core/types.h"
 #include "render/scene/ies_profile.h"
-#include "materials/texture.h"
 
 namespace twopass {
 
@@ -36,10 +36,10 @@ struct PointLight {
 /// A cone of light around the local +z, as Mitsuba's `spot` (L20).
 struct SpotLight {
   LightFrame frame;
-  C3f intensity{1.0f};                            ///< W/sr, inside of the beam
-  float cutoff_angle = 20.0f * pi_f / 180.0f;     ///< from the axis to darkness, radians, below a right angle
-  float beam_width = 15.0f * pi_f / 180.0f;       ///< from the axis to where it begins to fade; <= cutoff_angle
-  std::shared_ptr<const Texture> texture{};  ///< factors, projected to fill the cone; may be null
+  C3f intensity{1.0f};                         ///< W/sr, inside of the beam
+  float cutoff_angle = 20.0f * pi_f / 180.0f;  ///< from the axis to darkness, radians, below a right angle
+  float beam_width = 15.0f * pi_f / 180.0f;    ///< from the axis to where it begins to fade; <= cutoff_angle
+  std::shared_ptr<const Texture> texture{};    ///< factors, projected to fill the cone; may be null
 };
 
 /// Light from infinitely far away, from one direction.
@@ -50,13 +50,16 @@ struct DirectionalLight {
 
 /// Throws a picture like a slide projector, as Mitsuba's `projector` (L21).
 struct Projector {
-  LightFrame frame;                             ///< the picture's right is local -x, its top local +y
+  LightFrame frame;                        ///< the picture's right is local -x, its top local +y
   std::shared_ptr<const Texture> texture;  ///< never null
   float scale = 1.0f;
   float tan_half_fov = 0.41421356f;  ///< of half the horizontal field of view
 };
 
 using PunctualLight = std::variant<PointLight, SpotLight, DirectionalLight, Projector>;
+
+/// The light with its colours in other primaries.
+PunctualLight in_primaries(PunctualLight light, const ColorMatrix& primaries);
 
 /// What a punctual light sends to a receiver when nothing is in between.
 struct Illumination {

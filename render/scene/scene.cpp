@@ -38,6 +38,18 @@ class InstanceBoxes {
 
 }  // namespace
 
+void put_in_primaries(SceneDescription& scene, const ColorMatrix& primaries) {
+  for (Material& material : scene.materials) material = in_primaries(material, primaries);
+  for (Shape& shape : scene.shapes) {
+    for (C3f& radiance : shape.radiance) radiance = primaries(radiance);
+    if (shape.radiance_texture)
+      shape.radiance_texture =
+          std::make_shared<const Texture>(in_primaries(*shape.radiance_texture, primaries));
+  }
+  for (PunctualLight& light : scene.punctual_lights) light = in_primaries(std::move(light), primaries);
+  scene.environment = scene.environment.in_primaries(primaries);
+}
+
 Box3f bounds_of(std::span<const Shape> shapes) {
   Box3f bounds;
   InstanceBoxes box_of_instance;

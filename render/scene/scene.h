@@ -28,6 +28,10 @@ struct SceneDescription {
   std::string environment_light_group = "environment";
 };
 
+/// Puts all colours of a scene, which are linear Rec.709, into other primaries: of materials, lights and
+/// surroundings. Rendering then multiplies, and the picture holds, colours of those.
+void put_in_primaries(SceneDescription& scene, const ColorMatrix& primaries);
+
 /// The smallest box around all shapes; empty without any.
 Box3f bounds_of(std::span<const Shape> shapes);
 

@@ -15,6 +15,10 @@ void add_scale(DataHash& hash, const std::optional<TexelScale>& scale) {
   hash.add(scale->lowest);
   hash.add(scale->highest);
 }
+void add_primaries(DataHash& hash, const std::optional<ColorMatrix>& primaries) {
+  if (!primaries) return;
+  for (const C3f& color : primaries->image) hash.add(color);
+}
 void add_texture_kind(DataHash& hash, const C3f& color) { hash.add(color); }
 void add_texture_kind(DataHash& hash, const Checkerboard& checkerboard) {
   hash.add(checkerboard.color0);
@@ -27,9 +31,11 @@ void add_texture_kind(DataHash& hash, const Bitmap& bitmap) {
   add_uv_transform(hash, bitmap.to_uv);
   hash.add(bitmap.image ? bitmap.image->content_hash() : 0);
   add_scale(hash, bitmap.scale);
+  add_primaries(hash, bitmap.primaries);
 }
 void add_texture_kind(DataHash& hash, const MeshColors& colors) {
   add_scale(hash, colors.scale);
+  add_primaries(hash, colors.primaries);
   hash.add(std::uint64_t{colors.values ? colors.values->corners.size() : 0});
   if (!colors.values) return;
   for (const std::array<C3f, 3>& triangle : colors.values->corners)

@@ -151,5 +151,56 @@ TEST_F(Color, DescriptionTellsAll) {
     EXPECT_TRUE(contains(text, part)) << text;
 }
 
+void expect_near(const C3f& a, const C3f& b, float tolerance) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance);
+}
+
+// Rec.709 to AP1 with Bradford's adaptation, as the ACES configurations have it.
+TEST_F(Color, WorkingSpacesAreMatrices) {
+  const WorkingSpace acescg = find_working_space("ACEScg", "");
+  EXPECT_EQ(acescg.interop_id, "lin_ap1_scene");
+  EXPECT_FALSE(acescg.is_rec709());
+  expect_near(acescg.from_rec709(C3f(1, 0, 0)), C3f(0.613097f, 0.070194f, 0.020616f), 1e-5f);
+  expect_near(acescg.from_rec709(C3f(0, 1, 0)), C3f(0.339523f, 0.916354f, 0.109570f), 1e-5f);
+  expect_near(acescg.from_rec709(C3f(0, 0, 1)), C3f(0.047380f, 0.013452f, 0.869815f), 1e-5f);
+  expect_near(acescg.to_rec709(acescg.from_rec709(C3f(0.7f, 0.2f, 0.05f))), C3f(0.7f, 0.2f, 0.05f), 1e-5f);
+  EXPECT_EQ(find_working_space("ACES2065-1", "").interop_id, "lin_ap0_scene");
+  for (const char* name : {"", "scene_linear", "lin_rec709_scene"}) {
+    const WorkingSpace rec709 = find_working_space(name, "");
+    EXPECT_TRUE(rec709.is_rec709()) << name;
+    expect_near(rec709.from_rec709(C3f(0.3f, 0.6f, 0.9f)), C3f(0.3f, 0.6f, 0.9f), 1e-5f);
+  }
+}
+
+TEST_F(Color, WorkingSpacesMustBeLinearAndKnown) {
+  EXPECT_TRUE(contains(error_of([] { (void)find_working_space("sRGB - Texture", ""); }), "not linear"));
+  const std::string unknown = error_of([] { (void)find_working_space("ACEScq", ""); });
+  EXPECT_TRUE(contains(unknown, "--working-space")) << unknown;
+  EXPECT_TRUE(contains(unknown, "ACEScg")) << unknown;
+}
+
+TEST_F(Color, DisplaysShowTheSameColourFromAnyWorkingSpace) {
+  const C3f color(0.8f, 0.3f, 0.05f), in_acescg = find_working_space("ACEScg", "").from_rec709(color);
+  for (const char* view : {"Un-tone-mapped", "ACES 1.0 - SDR Video"}) {
+    std::vector<float> a{color.x, color.y, color.z}, b{in_acescg.x, in_acescg.y, in_acescg.z};
+    DisplayTransform({.view = view}).apply(a);
+    DisplayTransform({.view = view, .working_space = "ACEScg"}).apply(b);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-4f) << view;
+  }
+}
+
+TEST_F(Color, LooksComeBeforeTheView) {
+  const std::string look =
+      "looks:\n  - !<Look>\n    name: square\n    process_space: aces\n"
+      "    transform: !<ExponentTransform> {value: [2, 2, 2, 1]}\n";
+  std::string config = write_config("look.ocio", "v", ap0_role, ap0_space);
+  put(file("look.ocio"), content_of(file("look.ocio")) + look);
+  const float plain = grey(DisplayTransform({.config = config}), 0.25f)[0];
+  const float looked = grey(DisplayTransform({.config = config, .look = "square"}), 0.5f)[0];
+  EXPECT_NEAR(plain, looked, 1e-4f);
+  const std::string error = error_of([&] { DisplayTransform({.config = config, .look = "cube"}); });
+  EXPECT_TRUE(contains(error, "square")) << error;
+}
+
 }  // namespace
 }  // namespace twopass

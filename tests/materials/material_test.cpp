@@ -121,5 +121,54 @@ TEST(SoftTerminator, FadesFromAboveToTheHorizon) {
   EXPECT_LT(soft_terminator(1.0f, 1e-4f), 1e-3f);
 }
 
+// From Rec.709 to AP1, about.
+const ColorMatrix to_ap1{
+    {C3f(0.613f, 0.070f, 0.021f), C3f(0.340f, 0.916f, 0.110f), C3f(0.047f, 0.014f, 0.869f)}};
+
+void expect_near(const C3f& a, const C3f& b) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-5f * std::max(1.0f, std::abs(b[c])));
+}
+
+TEST(Primaries, ColoursChangeAndNumbersDoNot) {
+  const C3f color(0.6f, 0.1f, 0.3f);
+  Image image(1, 1, {"R", "G", "B"});
+  image.pixels = {color.x, color.y, color.z};
+  const Texture texture = scaled(Bitmap{std::make_shared<TextureImage>(image)}, {C3f(0.5f), C3f(0.1f)});
+  RoughPlastic plastic;
+  std::size_t diffuse = 0, alpha = 0, number = 0;
+  RoughPlastic::visit_parameters(plastic, [&](std::string_view name, const auto&) {
+    if (name == "diffuse_reflectance") diffuse = number;
+    if (name == "alpha") alpha = number;
+    ++number;
+  });
+  const MaterialSide side(model(plastic, {{diffuse, texture}, {alpha, texture}}));
+  const MaterialSide changed =
+      in_primaries(Material{"a", {side, MaterialSide(Diffuse{color})}}, to_ap1).side[front];
+  ShadingGeometry at;
+  const auto before = std::get<RoughPlastic>(side.resolve(at, 0.0f)),
+             after = std::get<RoughPlastic>(changed.resolve(at, 0.0f));
+  expect_near(after.base_reflectance, to_ap1(color * 0.5f + C3f(0.1f)));
+  EXPECT_EQ(before.alpha, after.alpha);
+  EXPECT_EQ(before.eta, after.eta);
+  const Material plain = in_primaries(one_sided("b", Diffuse{color}), to_ap1);
+  expect_near(std::get<Diffuse>(plain.side[front].uniform()).reflectance, to_ap1(color));
+}
+
+TEST(Primaries, MetalsKeepTheirColour) {
+  Conductor gold;
+  gold.eta = C3f(0.143f, 0.375f, 1.442f);
+  gold.k = C3f(3.983f, 2.386f, 1.603f);
+  gold.specular_reflectance = C3f(0.9f, 0.5f, 0.7f);
+  const auto changed = std::get<Conductor>(in_primaries(one_sided("gold", gold), to_ap1).side[front].uniform());
+  const C3f straight = fresnel_conductor(1.0f, gold.eta, gold.k);
+  expect_near(changed.specular_reflectance * fresnel_conductor(1.0f, changed.eta, changed.k),
+              to_ap1(gold.specular_reflectance * straight));
+}
+
+TEST(Primaries, WhatTheyCannotShowIsZero) {
+  const ColorMatrix narrow{{C3f(1.2f, -0.1f, 0.0f), C3f(-0.2f, 1.1f, 0.0f), C3f(0.0f, 0.0f, 1.0f)}};
+  EXPECT_EQ(narrow(C3f(1.0f, 0.0f, 0.5f)).y, 0.0f);
+}
+
 }  // namespace
 }  // namespace twopass

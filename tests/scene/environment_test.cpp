@@ -319,5 +319,32 @@ TEST(SunPosition, AgreesWithAlmanacs) {
   EXPECT_GT(direction.x, 0.0);  // south
 }
 
+// From Rec.709 to AP1, about.
+const ColorMatrix to_ap1{
+    {C3f(0.613f, 0.070f, 0.021f), C3f(0.340f, 0.916f, 0.110f), C3f(0.047f, 0.014f, 0.869f)}};
+
+void expect_near(const C3f& a, const C3f& b) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-5f * std::max(1.0f, std::abs(b[c])));
+}
+
+TEST(Primaries, SurroundingsAreSeenInTheNewOnes) {
+  Image image = mottled(16, 8);
+  const Environment environments[] = {Environment(C3f(0.2f, 0.5f, 1.0f)), of(image),
+                                      Environment(std::make_shared<const SunSky>(SunSkyOptions{}))};
+  for (const Environment& before : environments) {
+    const Environment after = before.in_primaries(to_ap1);
+    EXPECT_NE(after.fingerprint(), before.fingerprint());
+    expect_near(after.mean_radiance(), to_ap1(before.mean_radiance()));
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      const V2f u = Sampler(3, i, 0).next_2d();
+      const EnvironmentSample drawn = before.sample(u), other = after.sample(u);
+      EXPECT_EQ(drawn.direction, other.direction);
+      EXPECT_EQ(drawn.pdf_w, other.pdf_w);
+      expect_near(other.radiance, to_ap1(drawn.radiance));
+      expect_near(after.radiance(drawn.direction), to_ap1(before.radiance(drawn.direction)));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace twopass

@@ -179,5 +179,33 @@ TEST(PunctualLight, FingerprintsTellLightsApart) {
   EXPECT_NE(fingerprint(SpotLight{}), fingerprint(DirectionalLight{}));
 }
 
+// From Rec.709 to AP1, about.
+const ColorMatrix to_ap1{
+    {C3f(0.613f, 0.070f, 0.021f), C3f(0.340f, 0.916f, 0.110f), C3f(0.047f, 0.014f, 0.869f)}};
+
+void expect_near(const C3f& a, const C3f& b) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-5f * std::max(1.0f, std::abs(b[c])));
+}
+
+TEST(Primaries, LightsShineInTheNewOnes) {
+  Image image(1, 1, {"R", "G", "B"});
+  image.pixels = {0.8f, 0.2f, 0.1f};
+  const auto texture = std::make_shared<const Texture>(Bitmap{std::make_shared<TextureImage>(image)});
+  const C3f color(3.0f, 1.0f, 0.2f);
+  SpotLight spot{light_frame(M44d{}), color}, slide = spot;
+  slide.texture = texture;
+  Projector projector;
+  projector.frame = light_frame(M44d{});
+  projector.texture = texture;
+  const PunctualLight lights[] = {PointLight{V3f(0.0f), color}, spot, slide,
+                                  DirectionalLight{V3f(0, 0, 1), color}, projector};
+  for (const PunctualLight& light : lights) {
+    const C3f before = illumination(light, V3f(0.0f, 0.0f, 2.0f)).irradiance;
+    ASSERT_FALSE(is_black(before)) << kind_name(light);
+    expect_near(illumination(in_primaries(light, to_ap1), V3f(0.0f, 0.0f, 2.0f)).irradiance, to_ap1(before));
+    EXPECT_NE(fingerprint(in_primaries(light, to_ap1)), fingerprint(light)) << kind_name(light);
+  }
+}
+
 }  // namespace
 }  // namespace twopass
