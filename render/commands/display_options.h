@@ -1,4 +1,4 @@
-// Options of how pictures are displayed, which several commands share.
+// Options of how pictures are coloured, which several commands share.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,7 +7,8 @@
 
 namespace twopass {
 
-/// Adds --ocio, --display, --view and --exposure. REQUIRES: `display` outlives the command.
+/// Adds --ocio, --display, --view, --look, --exposure and --working-space. REQUIRES: `display` outlives the
+/// command.
 void add_display_options(CLI::App& command, DisplayOptions& display);
 
 }  // namespace twopass

@@ -111,12 +111,19 @@ Image within_frame(const Image& image, const ExrOptions& options) {
   return inner;
 }
 
+// The display as asked for, from the space that the parts are in.
+DisplayOptions in_space_of(DisplayOptions display, const ExrOptions& parts) {
+  if (!display.working_space.empty()) return display;
+  for (const auto& [name, value] : parts.metadata)
+    if (name == working_space_metadata) display.working_space = std::get<std::string>(value);
+  return display;
+}
+
 int merge(const MergeOptions& options, const GlobalOptions& global) {
   const Console console = global.console();
-  std::optional<DisplayTransform> display;
   for (const std::string& output : options.outputs) {
     check_picture_path(output);
-    if (is_display_referred(output) && !display) display.emplace(options.display);
+    if (is_display_referred(output)) DisplayTransform check(options.display);
   }
   if (!options.checkpoint.empty()) check_writable(options.checkpoint);
   const ThreadLimit limit(global.threads);
@@ -143,6 +150,9 @@ int merge(const MergeOptions& options, const GlobalOptions& global) {
     if (!global.quiet) std::printf("wrote %s\n", options.checkpoint.c_str());
   }
   const Image image = film.resolve_all();
+  std::optional<DisplayTransform> display;
+  if (std::any_of(options.outputs.begin(), options.outputs.end(), is_display_referred))
+    display.emplace(in_space_of(options.display, exr));
   for (const std::string& output : options.outputs) {
     write_picture(output, is_display_referred(output) ? within_frame(image, exr) : image,
                   display ? &*display : nullptr, exr);

@@ -334,6 +334,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     check_picture_path(output);
     if (is_display_referred(output) && !display) display.emplace(options.display);
   }
+  const WorkingSpace space = find_working_space(options.display.working_space, options.display.config);
+  if (!space.is_rec709() && !options.parts.preview.empty())
+    throw Error("--preview", "viewers take linear Rec.709", "leave out --working-space");
   if (!options.stats_file.empty()) check_writable(options.stats_file);
   const LayerRequest layer_request = options.layers.request();
   {
@@ -351,6 +354,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   SamplingGoal judged_by = settings.goal;
   if (!options.parts.checkpoint.empty() || !options.parts.resume.empty()) judged_by = {};
   parts.divide(settings.goal);
+  if (!space.is_rec709()) put_in_primaries(loaded.scene, space.from_rec709);
   const SceneNeeds needs = needs_of(loaded.scene);
   Plan plan = plan_render(needs, settings.integrator, settings.limits);
   if (!needs.light)
@@ -429,6 +433,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     s.samples = film.samples();
     s.outcome.counts = state.costs.counts;
     ExrOptions exr = exr_options(options, loaded.settings, settings, s);
+    exr.color_space = space.interop_id.empty() ? "unknown" : space.interop_id;
+    if (!space.is_rec709()) exr.metadata.emplace_back(working_space_metadata, space.name);
     exr.world_to_camera = M44f(world_to_camera(camera_description));
     exr.world_to_ndc = M44f(world_to_ndc(camera_description, settings.width, settings.height));
     exr.metadata.emplace_back("twopass/sceneFingerprint", std::string(fingerprint));

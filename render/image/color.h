@@ -31,6 +31,9 @@ struct WorkingSpace {
   [[nodiscard]] bool is_rec709() const { return interop_id == "lin_rec709_scene"; }
 };
 
+/// Where pictures name it, if it is not linear Rec.709.
+inline constexpr const char* working_space_metadata = "twopass/workingSpace";
+
 /// The space of a configuration (as in DisplayOptions) with this name, alias or role; empty: linear Rec.709.
 /// Throws Error when there is none (listing those there are), it is not linear, or the configuration does not
 /// say how it relates to Rec.709.

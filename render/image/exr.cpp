@@ -298,8 +298,9 @@ Imf::Header picture_header(int width, int height, const ExrOptions& options, boo
   const bool writes_chromaticities =
       options.chromaticities == ExrChromaticities::always ||
       (options.chromaticities == ExrChromaticities::automatic && options.color_space != "lin_rec709_scene");
-  if (has_color && writes_chromaticities)
-    Imf::addChromaticities(header, color_spaces.find(options.color_space)->second);
+  const auto space = color_spaces.find(options.color_space);
+  if (has_color && writes_chromaticities && space != color_spaces.end())
+    Imf::addChromaticities(header, space->second);
   if (options.world_to_camera) Imf::addWorldToCamera(header, *options.world_to_camera);
   if (options.world_to_ndc) Imf::addWorldToNDC(header, *options.world_to_ndc);
   insert_metadata(header, options.metadata);
@@ -338,7 +339,7 @@ void check_exr(const fs::path& path, const std::vector<std::string>& channels, c
                         std::string(name_of_value<ExrCompression>(exr_compression_names, options.compression)) +
                         " would change the data in channel '" + name + "'",
                     "use it for colours alone, or none, rle, zips, zip or piz");
-  if (!color_spaces.contains(options.color_space)) {
+  if (options.color_space != "unknown" && !color_spaces.contains(options.color_space)) {
     std::vector<std::string_view> names;
     for (const auto& [name, chromaticities] : color_spaces) names.push_back(name);
     throw Error(path.string(), "unknown colour space '" + options.color_space + "'",

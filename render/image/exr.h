@@ -51,7 +51,7 @@ struct ExrOptions {
   ExrMetadata metadata{};
   ExrCompression compression = ExrCompression::zips;
   ExrParts parts = ExrParts::single;
-  /// Name of the colours' space in "An ID for Color Interop" (Color Interop Forum): the attribute
+  /// "unknown", or the name of the colours' space in "An ID for Color Interop" (Color Interop Forum): the attribute
   /// colorInteropID.
   std::string color_space = "lin_rec709_scene";
   ExrChromaticities chromaticities = ExrChromaticities::automatic;
