@@ -98,9 +98,10 @@ double exposure_of(const Scene& scene, const Solution& solution) {
 // Writes the faces of one side after the other.
 class DisplayMeshBuilder {
  public:
-  DisplayMeshBuilder(const Scene& scene, const Solution& solution)
+  DisplayMeshBuilder(const Scene& scene, const Solution& solution, const ColorMatrix& to_rec709)
       : scene_(scene),
         solution_(solution),
+        to_rec709_(to_rec709),
         complete_(scene, solution.mesh()),
         vertices_(complete_.mesh()),
         element_vertices_(solution.mesh()),
@@ -144,12 +145,17 @@ class DisplayMeshBuilder {
   }
 
   [[nodiscard]] C3f color(const C3d& irradiance) const {
-    C3d color = (C3d(reflectance_) * irradiance / pi + emitted_) * result_.exposure;
+    C3d color = in_rec709(C3d(reflectance_) * irradiance / pi + emitted_) * result_.exposure;
     const double brightest = std::max({color.x, color.y, color.z});
     if (brightest > 1.0) color /= brightest;
     C3f rounded;
     for (int k = 0; k < 3; ++k) rounded[k] = std::clamp(static_cast<float>(color[k]), 0.0f, 1.0f);
     return rounded;
+  }
+
+  // Viewers know no other primaries.
+  [[nodiscard]] C3d in_rec709(const C3d& radiance) const {
+    return to_rec709_ == ColorMatrix{} ? radiance : C3d(to_rec709_(C3f(radiance)));
   }
 
   // `original` is the face of the elements' own mesh.
@@ -212,6 +218,7 @@ class DisplayMeshBuilder {
 
   const Scene& scene_;
   const Solution& solution_;
+  const ColorMatrix to_rec709_;
   CompleteMesh complete_;
   VertexMesh vertices_, element_vertices_;
   std::vector<Irradiance> irradiance_;  // by vertex of the elements' own mesh
@@ -225,8 +232,8 @@ class DisplayMeshBuilder {
 
 }  // namespace
 
-DisplayMesh display_mesh(const Scene& scene, const Solution& solution) {
-  return DisplayMeshBuilder(scene, solution).build();
+DisplayMesh display_mesh(const Scene& scene, const Solution& solution, const ColorMatrix& to_rec709) {
+  return DisplayMeshBuilder(scene, solution, to_rec709).build();
 }
 
 }  // namespace twopass

@@ -27,7 +27,8 @@ struct DisplayMesh {
 /// colour, mirrors and glass in grey, black surfaces black. A back that is plain black is left out, so that a
 /// room can be looked into from outside. Positions of triangles that touch are equal bit for bit and no vertex
 /// lies within another triangle's edge, if that holds for the scene. The 99th percentile, by area, of what is
-/// reflected is exposed to 0.8. REQUIRES: the solution's scene.
-DisplayMesh display_mesh(const Scene& scene, const Solution& solution);
+/// reflected is exposed to 0.8. `to_rec709`: of the scene's
+/// colours. REQUIRES: the solution's scene.
+DisplayMesh display_mesh(const Scene& scene, const Solution& solution, const ColorMatrix& to_rec709 = {});
 
 }  // namespace twopass

@@ -232,9 +232,10 @@ Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scen
   Header header;
   Reader read(checked_content(where, bytes, header));
   if (header.fingerprint != scene_fingerprint(scene))
-    throw Error(where.string(), "this solution belongs to another scene",
-                "give the scene that it was made of, with the same -D and --sky, or make it again with twopass "
-                "solve");
+    throw Error(
+        where.string(), "this solution belongs to another scene",
+        "give the scene that it was made of, with the same -D, --sky and --working-space, or make it again "
+        "with twopass solve");
   read.bytes();
   ElementMesh::Saved saved;
   std::vector<float> irradiance;
@@ -250,8 +251,9 @@ Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scen
   return Solution(std::move(*mesh), from_numbers(irradiance), std::move(stats));
 }
 
-void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution) {
-  const std::vector<std::byte> display = glb_of(display_mesh(scene, solution), scene, path.string());
+void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution,
+                   const ColorMatrix& to_rec709) {
+  const std::vector<std::byte> display = glb_of(display_mesh(scene, solution, to_rec709), scene, path.string());
   write_atomically(path, solution_to_bytes(scene, solution, display));
 }
 

@@ -10,17 +10,18 @@
 namespace twopass {
 
 /// Writes the solution atomically. The file names the scene by its fingerprint, so it serves no other; and it
-/// holds what a solution looks like (display_of_solution). REQUIRES: a solution of the scene. Throws Error when
-/// it cannot be written.
-void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution);
+/// holds what a solution looks like (display_of_solution). `to_rec709`: of the scene's
+/// colours. REQUIRES: a solution of the scene. Throws Error when it cannot be written.
+void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution,
+                   const ColorMatrix& to_rec709 = {});
 
 /// The same solution again, bit for bit. Throws Error when the file cannot be read, is not a solution, is
 /// damaged (any single byte, any missing end), was written by a newer version of the program, or belongs to
 /// another scene. REQUIRES: the scene outlives the solution.
 Solution load_solution(const std::filesystem::path& path, const Scene& scene);
 
-/// A number that tells solutions apart: a hash of every element's irradiance. The same for a solution that was saved
-/// and loaded.
+/// A number that tells solutions apart: a hash of every element's irradiance. The same for a solution that was
+/// saved and loaded.
 std::uint64_t solution_fingerprint(const Solution& solution);
 
 /// What a solution looks like, as binary glTF (glb_of), which takes no scene. Throws Error as load_solution

@@ -49,14 +49,14 @@ Layers::Layers(LayerRequest request, const Scene& scene, const CameraDescription
   }
 }
 
-FilmLayout Layers::layout(bool has_signed_weights) const {
+FilmLayout layout_of(const LayerRequest& request, const LightGroups* groups, bool has_signed_weights) {
   FilmLayout layout;
   layout.has_signed_weights = has_signed_weights;
-  for (const Aov aov : request_.aovs) layout.layers.push_back(layer_of(aov));
-  if (groups_)
-    for (const std::string& name : groups_->names())
+  for (const Aov aov : request.aovs) layout.layers.push_back(layer_of(aov));
+  if (groups)
+    for (const std::string& name : groups->names())
       layout.layers.push_back({"light_" + name, {"R", "G", "B"}, Reduction::mean});
-  for (const CryptomatteKind kind : request_.cryptomattes)
+  for (const CryptomatteKind kind : request.cryptomattes)
     layout.cryptomattes.emplace_back(cryptomatte_layer(kind));
   return layout;
 }

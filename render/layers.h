@@ -30,6 +30,9 @@ inline constexpr std::size_t most_light_groups = 64;
 /// The light groups of a scene. Throws Error when there are more than most_light_groups.
 LightGroups light_groups_of(const Scene& scene);
 
+/// What a film is to hold; `groups` where light groups are asked for.
+FilmLayout layout_of(const LayerRequest& request, const LightGroups* groups, bool has_signed_weights);
+
 /// The layers of one render. Const and thread-safe once built.
 class Layers {
  public:
@@ -38,7 +41,6 @@ class Layers {
   Layers(LayerRequest request, const Scene& scene, const CameraDescription& camera, const Solution* solution,
          const LightGroups* groups, const GroupedLight* cached);
 
-  [[nodiscard]] FilmLayout layout(bool has_signed_weights) const;
   /// Manifest and more of each Cryptomatte, as header attributes.
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> cryptomatte_metadata() const;
 

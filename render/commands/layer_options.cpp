@@ -1,5 +1,6 @@
 #include "render/commands/layer_options.h"
 
+#include "render/commands/picture_outputs.h"
 #include "render/core/error.h"
 #include "render/image/picture.h"
 
@@ -21,6 +22,7 @@ void LayerOptions::add_to(CLI::App& command) {
   command.add_option("--exr-parts", parts, "single (default) or layer: a part for each layer");
   command.add_option("--exr-chromaticities", chromaticities,
                      "auto (default: unless they are those of Rec.709), always or never");
+  add_denoise_option(command, denoise);
   command.add_flag("--exr-seconds", seconds,
                    "Write the time of rendering into .exr files, which then differ between equal renders");
   command
@@ -33,7 +35,9 @@ void LayerOptions::add_to(CLI::App& command) {
 
 LayerRequest LayerOptions::request() const {
   LayerRequest request;
-  if (!aovs.empty()) request.aovs = aovs_of(aovs);
+  const std::string guides = denoise ? "denoise" : "";
+  if (const std::string list = aovs + (aovs.empty() || !denoise ? "" : ",") + guides; !list.empty())
+    request.aovs = aovs_of(list);
   if (!cryptomattes.empty()) request.cryptomattes = cryptomattes_of(cryptomattes);
   request.light_groups = light_groups;
   return request;
@@ -51,8 +55,8 @@ void LayerOptions::check(const LayerRequest& request, const std::vector<std::str
     has_exr = true;
     check_exr(output, layout.channels(), exr);
   }
-  if (!has_exr && !request.empty())
-    throw Error(outputs.front(), "only .exr files hold layers", "add -o picture.exr");
+  const bool asked = !aovs.empty() || light_groups || !cryptomattes.empty();
+  if (!has_exr && asked) throw Error(outputs.front(), "only .exr files hold layers", "add -o picture.exr");
 }
 
 void LayerOptions::settle(const LayerRequest& request, ExrOptions& exr) const {

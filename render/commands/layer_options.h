@@ -12,11 +12,11 @@ namespace twopass {
 
 struct LayerOptions {
   std::string aovs, cryptomattes, compression = "zips", parts = "single", chromaticities = "auto";
-  bool light_groups = false, seconds = false;
+  bool light_groups = false, seconds = false, denoise = false;
   int overscan = 0;  ///< pixels around the picture
 
   void add_to(CLI::App& command);
-  /// Throws Error for names that are none.
+  /// With those that a denoiser needs. Throws Error for names that are none.
   [[nodiscard]] LayerRequest request() const;
   /// For use before rendering: throws Error when no output can hold what is asked for.
   void check(const LayerRequest& request, const std::vector<std::string>& outputs, const ExrOptions& exr) const;

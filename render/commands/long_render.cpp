@@ -142,14 +142,15 @@ void LongRender::begin(RenderIdentity identity, Film& film) {
 }
 
 void LongRender::prepare(RenderJob& job, const Film& film, const std::string& name,
-                         const std::function<void(const RenderState&)>& write,
+                         const ColorMatrix& to_rec709, const std::function<void(const RenderState&)>& write,
                          const std::function<ExrOptions(const RenderState&)>& options) {
   job.first_sample = first_sample_;
   job.all_samples = part_.all_samples;
   if (!options_.resume.empty()) job.resumed = &resumed_state_;
   if (!options_.preview.empty()) {
-    preview_.emplace(options_.preview, name + " (" + std::to_string(::getpid()) + ")", film.width(),
-                     film.height(), [this](const std::string& text) { console_.note(text); });
+    preview_.emplace(
+        options_.preview, name + " (" + std::to_string(::getpid()) + ")", film.width(), film.height(),
+        [this](const std::string& text) { console_.note(text); }, to_rec709);
     if (film.samples() > 0) preview_->update(film, {0, 0}, {film.width(), film.height()});
     job.tile_done = [this, &film](const V2i& corner, const V2i& size) { preview_->update(film, corner, size); };
   }

@@ -43,9 +43,10 @@ class LongRender {
   /// Puts what was sampled before into the empty film. Throws Error when that was another render.
   void begin(RenderIdentity identity, Film& film);
   /// Fills in where the job begins, when it pauses and who looks on. `write` writes the pictures as they are,
-  /// and `options` are those of a picture, `name` what a viewer calls it. REQUIRES: this, film and both
-  /// functions outlive the job.
-  void prepare(RenderJob& job, const Film& film, const std::string& name,
+  /// and `options` are those of a picture, `name` what a viewer calls it; `to_rec709`: of the
+  /// film's colours. REQUIRES: this, film and both
+  /// functions outlive the job. `to_rec709`: of the film's colours; none: they are.
+  void prepare(RenderJob& job, const Film& film, const std::string& name, const ColorMatrix& to_rec709,
                const std::function<void(const RenderState&)>& write,
                const std::function<ExrOptions(const RenderState&)>& options);
   /// Sends the viewer what it has not seen yet.

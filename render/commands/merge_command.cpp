@@ -5,11 +5,11 @@
 #include "render/commands/command.h"
 #include "render/commands/display_options.h"
 #include "render/commands/long_render.h"
+#include "render/commands/picture_outputs.h"
 #include "render/core/error.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/image/atomic_file.h"
-#include "render/image/picture.h"
 
 namespace twopass {
 
@@ -19,6 +19,7 @@ struct MergeOptions {
   std::vector<std::string> parts, outputs;
   std::string checkpoint, exr_type;
   DisplayOptions display;
+  bool denoise = false;
 };
 
 // Without its film: there may be more parts than memory for them, or than files that may be open.
@@ -97,38 +98,32 @@ ExrOptions options_of_picture(const Part& first, const Film& film, const std::st
   return options;
 }
 
-// What of a picture lies within its full frame: not its overscan.
-Image within_frame(const Image& image, const ExrOptions& options) {
-  const V2i frame = options.display_size.value_or(V2i(image.width, image.height));
-  const V2i begin(std::max(0, -options.data_offset.x), std::max(0, -options.data_offset.y));
-  const V2i end(std::min(image.width, frame.x - options.data_offset.x),
-                std::min(image.height, frame.y - options.data_offset.y));
-  Image inner(end.x - begin.x, end.y - begin.y, image.channels);
-  for (int y = 0; y < inner.height; ++y)
-    std::copy_n(&image.pixels[image.index(begin.x, begin.y + y, 0)],
-                static_cast<std::size_t>(inner.width) * image.channels.size(),
-                &inner.pixels[inner.index(0, y, 0)]);
-  return inner;
-}
-
-// The display as asked for, from the space that the parts are in.
-DisplayOptions in_space_of(DisplayOptions display, const ExrOptions& parts) {
-  if (!display.working_space.empty()) return display;
-  for (const auto& [name, value] : parts.metadata)
-    if (name == working_space_metadata) display.working_space = std::get<std::string>(value);
-  return display;
+// The name of the space that the parts are in, which must be the same in this configuration.
+std::string working_space_of(const Part& part, const std::string& config) {
+  for (const auto& [name, value] : part.options.metadata) {
+    if (name != working_space_metadata) continue;
+    const std::string space = std::get<std::string>(value);
+    const std::string found = find_working_space(space, config).interop_id;
+    const std::string& made = part.options.color_space;
+    if (made != (found.empty() ? unknown_space : found))
+      throw Error(part.path,
+                  "it is in " + space + " (" + made + "), which is " + (found.empty() ? "another" : found) +
+                      " in this OpenColorIO configuration",
+                  "give the configuration that it was rendered with: --ocio");
+    return space;
+  }
+  return {};
 }
 
 int merge(const MergeOptions& options, const GlobalOptions& global) {
   const Console console = global.console();
-  for (const std::string& output : options.outputs) {
-    check_picture_path(output);
-    if (is_display_referred(output)) DisplayTransform check(options.display);
-  }
+  PictureOutputs pictures(options.outputs, options.display);
   if (!options.checkpoint.empty()) check_writable(options.checkpoint);
   const ThreadLimit limit(global.threads);
+  if (options.denoise) pictures.set_denoiser(global.threads);
 
   const std::vector<Part> parts = read_parts(options.parts);
+  pictures.set_working_space(working_space_of(parts.front(), options.display.config));
   PartialRender all = joined(parts);
   const PartialFile first(parts.front().path);
   Film film(first.width(), first.height(), first.layout());
@@ -149,16 +144,9 @@ int merge(const MergeOptions& options, const GlobalOptions& global) {
     save_partial(options.checkpoint, film, all, exr);
     if (!global.quiet) std::printf("wrote %s\n", options.checkpoint.c_str());
   }
-  const Image image = film.resolve_all();
-  std::optional<DisplayTransform> display;
-  if (std::any_of(options.outputs.begin(), options.outputs.end(), is_display_referred))
-    display.emplace(in_space_of(options.display, exr));
-  for (const std::string& output : options.outputs) {
-    write_picture(output, is_display_referred(output) ? within_frame(image, exr) : image,
-                  display ? &*display : nullptr, exr);
-    if (!global.quiet) std::printf("wrote %s\n", output.c_str());
-  }
+  pictures.write(film.resolve_all(), exr);
   if (global.quiet) return 0;
+  for (const std::string& output : options.outputs) std::printf("wrote %s\n", output.c_str());
   std::printf("%zu parts, %dx%d, %.4g samples a pixel", parts.size(), film.width(), film.height(),
               static_cast<double>(film.samples()) / (static_cast<double>(film.width()) * film.height()));
   if (const double error = film.relative_error(); std::isfinite(error))
@@ -181,6 +169,7 @@ void add_merge_command(CLI::App& program, const GlobalOptions& global, Action& a
   command.add_option("--checkpoint", options->checkpoint,
                      "Write the merged part to this .exr, to be merged or resumed");
   add_display_options(command, options->display);
+  add_denoise_option(command, options->denoise);
   command
       .add_option("--exr-type", options->exr_type,
                   "Pixels of .exr files (default: as the render was to have them)")

@@ -1,6 +1,5 @@
 // twopass render: one picture.
 #include <cstdio>
-#include <cstdlib>
 
 #include "integrators/clamp.h"
 #include "radiosity/scene_fingerprint.h"
@@ -9,6 +8,7 @@
 #include "render/commands/display_options.h"
 #include "render/commands/layer_options.h"
 #include "render/commands/long_render.h"
+#include "render/commands/picture_outputs.h"
 #include "render/commands/radiosity_options.h"
 #include "render/commands/scene_options.h"
 #include "render/core/interrupt.h"
@@ -234,23 +234,19 @@ std::optional<GroupedLight> group_solution(const Scene& scene, const std::option
   return grouped;
 }
 
-// Which OpenColorIO configuration there was.
-std::string ocio_text(const DisplayOptions& options, const DisplayTransform* display) {
-  if (display) return display->description();
-  if (!options.config.empty()) return options.config;
-  const char* variable = std::getenv("OCIO");
-  return variable && *variable ? variable : "built-in";
+// Says before any work what a large picture needs; throws Error when there is not so much.
+void check_memory(const V2i& size, const FilmLayout& layout, const Console& console) {
+  Film::check(size.x, size.y, layout);
+  if (const double bytes = Film::bytes_to_render(size.x, size.y, layout); bytes > 1e9)
+    console.note("the picture needs " + std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) +
+                 " GB of memory, however many samples it has");
 }
 
-// What is within a border of that many pixels.
-Image without_border(const Image& image, int border) {
-  if (border == 0) return image;
-  Image inner(image.width - 2 * border, image.height - 2 * border, image.channels);
-  for (int y = 0; y < inner.height; ++y)
-    std::copy_n(&image.pixels[image.index(border, y + border, 0)],
-                static_cast<std::size_t>(inner.width) * image.channels.size(),
-                &inner.pixels[inner.index(0, y, 0)]);
-  return inner;
+// What the colours are in, for readers of the file.
+void settle_space(const WorkingSpace& space, ExrOptions& exr) {
+  exr.color_space = space.interop_id.empty() ? unknown_space : space.interop_id;
+  if (space.interop_id.empty()) exr.primaries = primaries_of(space.to_rec709);
+  if (!space.is_rec709()) exr.metadata.emplace_back(working_space_metadata, space.name);
 }
 
 ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
@@ -267,6 +263,7 @@ ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, c
                   {"twopass/spp", static_cast<float>(static_cast<double>(s.samples) / pixels)},
                   {"twopass/seed", static_cast<int>(s.seed)},
                   {"twopass/stopReason", s.outcome.stop_reason}};
+  if (options.layers.overscan > 0) exr.metadata.emplace_back(overscan_metadata, options.layers.overscan);
   if (!s.clamped.empty()) exr.metadata.emplace_back("twopass/bias", s.clamped);
   if (s.bias) {
     exr.metadata.emplace_back("twopass/biasMean", static_cast<float>(s.bias->mean));
@@ -329,14 +326,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const Stopwatch total;
   RenderStatistics s;
   // What can go wrong with the outputs goes wrong before any work is done.
-  std::optional<DisplayTransform> display;
-  for (const std::string& output : options.outputs) {
-    check_picture_path(output);
-    if (is_display_referred(output) && !display) display.emplace(options.display);
-  }
   const WorkingSpace space = find_working_space(options.display.working_space, options.display.config);
-  if (!space.is_rec709() && !options.parts.preview.empty())
-    throw Error("--preview", "viewers take linear Rec.709", "leave out --working-space");
+  PictureOutputs pictures(options.outputs, options.display);
   if (!options.stats_file.empty()) check_writable(options.stats_file);
   const LayerRequest layer_request = options.layers.request();
   {
@@ -346,6 +337,12 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   }
   LongRender parts(options.parts, console);
   const ThreadLimit limit(global.threads);
+  if (options.layers.denoise) {
+    if (parts.is_slice())
+      throw Error("--denoise", "a slice has the noise that the others take out",
+                  "give --aov denoise here, and --denoise to twopass merge");
+    pictures.set_denoiser(global.threads);
+  }
 
   Stopwatch stopwatch;
   LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera);
@@ -369,6 +366,11 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 
   s.threads = limit.threads();
   const Camera camera(camera_description, settings.width, settings.height);
+  std::optional<LightGroups> groups;
+  if (layer_request.light_groups) groups.emplace(light_groups_of(scene));
+  const FilmLayout layout =
+      layout_of(layer_request, groups ? &*groups : nullptr, loaded.settings.filter.table != nullptr);
+  check_memory(settings.window.size, layout, console);
   // Of the whole picture, so that a part of it is the same bits.
   const PixelWindow whole{{0, 0}, {settings.width, settings.height}};
   fit_to_view(plan, settings.integrator, scene, camera, whole, settings.limits, settings.seed,
@@ -380,8 +382,6 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
                         options.radiosity.settle(settings.seed), settings.goal.seconds * s.threads);
   const PreparedPassOne pass_one =
       run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, console, s);
-  std::optional<LightGroups> groups;
-  if (layer_request.light_groups) groups.emplace(light_groups_of(scene));
   const std::optional<GroupedLight> grouped = group_solution(scene, groups, pass_one, radiosity, console, s);
 
   const bool is_certified =
@@ -391,11 +391,6 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   stopwatch = Stopwatch();
   const Layers layers(layer_request, scene, camera_description, pass_one.solution.get(),
                       groups ? &*groups : nullptr, grouped ? &*grouped : nullptr);
-  const FilmLayout layout = layers.layout(loaded.settings.filter.table != nullptr);
-  if (const double bytes = Film::bytes_to_render(settings.window.size.x, settings.window.size.y, layout);
-      bytes > 1e9)
-    console.note("the picture needs " + std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) +
-                 " GB of memory, however many samples it has");
   Film film(settings.window.size.x, settings.window.size.y, layout);
   const std::unique_ptr<Integrator> integrator =
       make_integrator(settings.integrator, scene, pass_one.view(), settings.limits);
@@ -433,12 +428,11 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     s.samples = film.samples();
     s.outcome.counts = state.costs.counts;
     ExrOptions exr = exr_options(options, loaded.settings, settings, s);
-    exr.color_space = space.interop_id.empty() ? "unknown" : space.interop_id;
-    if (!space.is_rec709()) exr.metadata.emplace_back(working_space_metadata, space.name);
+    settle_space(space, exr);
     exr.world_to_camera = M44f(world_to_camera(camera_description));
     exr.world_to_ndc = M44f(world_to_ndc(camera_description, settings.width, settings.height));
     exr.metadata.emplace_back("twopass/sceneFingerprint", std::string(fingerprint));
-    exr.metadata.emplace_back("twopass/ocio", ocio_text(options.display, display ? &*display : nullptr));
+    exr.metadata.emplace_back("twopass/ocio", pictures.color_text());
     for (const auto& [name, value] : layers.cryptomatte_metadata()) exr.metadata.emplace_back(name, value);
     if (options.layers.seconds)
       exr.metadata.emplace_back("twopass/seconds", static_cast<float>(stopwatch.seconds()));
@@ -447,19 +441,11 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   // All of them, even when one of them fails: then throws its Error.
   const std::function<void(const RenderState&)> write_pictures = [&](const RenderState& state) {
     const ExrOptions exr = options_of_picture(state);
-    const Image image = film.resolve_all();
-    std::exception_ptr failure;
-    for (const std::string& output : options.outputs) try {
-        if (parts.is_slice() && !is_display_referred(output))
-          parts.save(output, film, state, exr);
-        else
-          write_picture(output,
-                        is_display_referred(output) ? without_border(image, options.layers.overscan) : image,
-                        display ? &*display : nullptr, exr);
-      } catch (const Error&) {
-        if (!failure) failure = std::current_exception();
-      }
-    if (failure) std::rethrow_exception(failure);
+    pictures.write(film.resolve_all(), exr, [&](const std::string& path) {
+      const bool is_part = parts.is_slice() && !is_display_referred(path);
+      if (is_part) parts.save(path, film, state, exr);
+      return is_part;
+    });
   };
   {
     Progress progress(console, "rendering");
@@ -476,7 +462,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
       job.report_progress = [&](const RenderProgress& at) {
         progress.update(at.fraction, [&] { return progress_text(at); });
       };
-    parts.prepare(job, film, options.outputs.front(), write_pictures, options_of_picture);
+    parts.prepare(job, film, options.outputs.front(), space.to_rec709, write_pictures, options_of_picture);
     s.outcome = render_image(job, film);
     parts.end_preview();
   }
@@ -567,6 +553,7 @@ void add_render_command(CLI::App& program, const GlobalOptions& global, Action& 
                                              "Radiosity solution of twopass solve to use instead of solving");
   for (CLI::Option* option : options->radiosity.add_to(command)) solution->excludes(option);
   add_display_options(command, options->display);
+  add_working_space_option(command, options->display.working_space);
   command
       .add_option("--exr-type", options->exr_type,
                   "Pixels of .exr files (default: as the scene says, else half)")

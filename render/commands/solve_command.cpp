@@ -5,6 +5,7 @@
 #include "radiosity/mesh_files.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
+#include "render/commands/display_options.h"
 #include "render/commands/radiosity_options.h"
 #include "render/commands/scene_options.h"
 #include "render/core/parallel.h"
@@ -21,6 +22,7 @@ struct SolveOptions {
   std::string stats_file;
   std::optional<std::uint32_t> seed;
   RadiosityCommandOptions radiosity;
+  std::string config, working_space;
 };
 
 enum class SolutionFormat { solution, gltf, ply };
@@ -37,10 +39,10 @@ SolutionFormat format_of(const std::string& path) {
 }
 
 void write_solution(const std::string& path, const Scene& scene, const Solution& solution,
-                    std::optional<DisplayMesh>& mesh) {
+                    const ColorMatrix& to_rec709, std::optional<DisplayMesh>& mesh) {
   const SolutionFormat format = format_of(path);
-  if (format == SolutionFormat::solution) return save_solution(path, scene, solution);
-  if (!mesh) mesh = display_mesh(scene, solution);
+  if (format == SolutionFormat::solution) return save_solution(path, scene, solution, to_rec709);
+  if (!mesh) mesh = display_mesh(scene, solution, to_rec709);
   if (format == SolutionFormat::ply)
     write_ply(path, *mesh);
   else
@@ -75,10 +77,12 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
     check_writable(output);
   }
   if (!options.stats_file.empty()) check_writable(options.stats_file);
+  const WorkingSpace space = find_working_space(options.working_space, options.config);
   const ThreadLimit limit(global.threads);
 
   Stopwatch stopwatch;
   LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light);
+  if (!space.is_rec709()) put_in_primaries(loaded.scene, space.from_rec709);
   s.seed = options.seed.value_or(loaded.settings.seed.value_or(0));
   const RadiosityOptions radiosity = options.radiosity.settle(s.seed);
   s.load = stopwatch.elapsed();
@@ -95,7 +99,8 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
 
   stopwatch = Stopwatch();
   std::optional<DisplayMesh> mesh;
-  for (const std::string& output : options.outputs) write_solution(output, scene, solution, mesh);
+  for (const std::string& output : options.outputs)
+    write_solution(output, scene, solution, space.to_rec709, mesh);
   s.write = stopwatch.elapsed();
   s.total = total.elapsed();
 
@@ -120,6 +125,8 @@ void add_solve_command(CLI::App& program, const GlobalOptions& global, Action& a
       ->required()
       ->allow_extra_args(false);
   options->radiosity.add_to(command);
+  add_ocio_option(command, options->config);
+  add_working_space_option(command, options->working_space);
   command
       .add_option("--max-reflections", options->radiosity.radiosity.max_reflections,
                   "Most diffuse reflections of the indirect light, for renders of limited depth; -1: all")

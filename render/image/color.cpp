@@ -149,6 +149,7 @@ std::string describe(const NamedConfig& named, const std::string& display, const
   std::ostringstream text;
   text << "config " << named.name << ", display " << display << ", view " << view;
   if (!options.look.empty()) text << ", look " << options.look;
+  if (!options.working_space.empty()) text << ", working space " << options.working_space;
   text << ", exposure " << options.exposure_stops;
   return text.str();
 }
@@ -171,8 +172,10 @@ void check_color_space(const NamedConfig& named, const std::string& name, std::s
   if (named.config->getColorSpace(name.c_str()) != nullptr) return;
   const std::vector<std::string> known = color_spaces_of(*named.config);
   const std::vector<std::string_view> views(known.begin(), known.end());
-  throw Error(where, "the OpenColorIO configuration " + named.name + " has no colour space '" + name + "'",
-              "use one of: " + join_names(views) + std::string(remedy));
+  throw Error(
+      where,
+      "the OpenColorIO configuration " + named.name + " has no colour space, alias or role '" + name + "'",
+      "use one of: " + join_names(views) + std::string(remedy));
 }
 
 C3f through(const ocio::ConstCPUProcessorRcPtr& processor, const C3f& color) {
@@ -197,25 +200,6 @@ ColorMatrix matrix_of(const ocio::ConstCPUProcessorRcPtr& processor, const std::
   return matrix;
 }
 
-// Names of the Color Interop Forum, by what the spaces make of Rec.709's green (Bradford adaptation).
-std::string interop_id_of(const ColorMatrix& from_rec709) {
-  struct Known {
-    const char* id;
-    C3f green;
-  };
-  constexpr float tolerance = 2e-4f;
-  const Known known[] = {{"lin_rec709_scene", C3f(0.0f, 1.0f, 0.0f)},
-                         {"lin_ap1_scene", C3f(0.339523f, 0.916354f, 0.109570f)},
-                         {"lin_ap0_scene", C3f(0.382989f, 0.813440f, 0.111546f)},
-                         {"lin_rec2020_scene", C3f(0.329283f, 0.919540f, 0.088013f)},
-                         {"lin_p3d65_scene", C3f(0.177538f, 0.966806f, 0.072397f)}};
-  for (const Known& space : known) {
-    const C3f d = from_rec709.image[1] - space.green;
-    if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= tolerance) return space.id;
-  }
-  return {};
-}
-
 // One value that is not finite would turn its whole pixel into NaN in the ACES views, and huge ones wrap to
 // black.
 float sanitized(float value) {
@@ -228,12 +212,16 @@ WorkingSpace find_working_space(const std::string& name, const std::string& conf
   if (name.empty()) return {};
   const NamedConfig named = load_config(config);
   check_color_space(named, name, "--working-space", "; or choose another configuration with --ocio");
+  const ocio::ConstColorSpaceRcPtr found = named.config->getColorSpace(name.c_str());
+  if (found->isData())
+    throw Error("--working-space", "the colour space '" + name + "' is for data, not for light",
+                "give a scene-linear one, such as ACEScg");
   try {
     const ocio::ConstTransformRcPtr to_rec709 = make_input_transform(named, name);
     const auto processor = [&](ocio::TransformDirection direction) {
       return named.config->getProcessor(to_rec709, direction)->getDefaultCPUProcessor();
     };
-    WorkingSpace space{name,
+    WorkingSpace space{found->getName(),
                        matrix_of(processor(ocio::TRANSFORM_DIR_INVERSE), name),
                        matrix_of(processor(ocio::TRANSFORM_DIR_FORWARD), name),
                        {}};

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "render/core/color_matrix.h"
+#include "render/image/primaries.h"
 
 namespace twopass {
 
@@ -23,12 +23,11 @@ struct DisplayOptions {
 
 /// The space that light is computed and pictures are stored in: linear, by name.
 struct WorkingSpace {
-  std::string name{};         ///< as the configuration calls it; empty: linear Rec.709
+  std::string name{};         ///< as the configuration calls it, never a role; empty: linear Rec.709
   ColorMatrix from_rec709{};  ///< of colours
   ColorMatrix to_rec709{};
-  std::string interop_id{
-      "lin_rec709_scene"};  ///< of the Color Interop Forum; empty: it has none for this space
-  [[nodiscard]] bool is_rec709() const { return interop_id == "lin_rec709_scene"; }
+  std::string interop_id{rec709_id};  ///< one of interop_spaces(); empty: it is none of them
+  [[nodiscard]] bool is_rec709() const { return interop_id == rec709_id; }
 };
 
 /// Where pictures name it, if it is not linear Rec.709.

@@ -1,7 +1,6 @@
 #include "render/image/exr.h"
 
 #include <cstring>
-#include <map>
 #include <set>
 #include <span>
 #include <string_view>
@@ -101,13 +100,17 @@ Imf::PixelType type_of_channel(std::string_view name, const ExrOptions& options)
   return is_color(name, options) && options.pixel_type == PixelType::half ? Imf::HALF : Imf::FLOAT;
 }
 
-// Annex A of the forum's recommendation: red, green, blue, white.
-const std::map<std::string, Imf::Chromaticities, std::less<>> color_spaces{
-    {"lin_rec709_scene", {{0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}}},
-    {"lin_ap1_scene", {{0.713f, 0.293f}, {0.165f, 0.830f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}}},
-    {"lin_ap0_scene", {{0.7347f, 0.2653f}, {0.0f, 1.0f}, {0.0001f, -0.077f}, {0.32168f, 0.33767f}}},
-    {"lin_p3d65_scene", {{0.680f, 0.320f}, {0.265f, 0.690f}, {0.150f, 0.060f}, {0.3127f, 0.3290f}}},
-    {"lin_rec2020_scene", {{0.708f, 0.292f}, {0.170f, 0.797f}, {0.131f, 0.046f}, {0.3127f, 0.3290f}}}};
+Imf::Chromaticities chromaticities_of(const Primaries& p) { return {p.red, p.green, p.blue, p.white}; }
+
+// What the colours of a file are in; none: it does not say.
+std::optional<Primaries> primaries_of(const Imf::Header& header) {
+  const auto* id = header.findTypedAttribute<Imf::StringAttribute>("colorInteropID");
+  if (id == nullptr) return std::nullopt;
+  if (const Primaries* known = find_interop_space(id->value())) return *known;
+  if (id->value() != unknown_space || !Imf::hasChromaticities(header)) return std::nullopt;
+  const Imf::Chromaticities& c = Imf::chromaticities(header);
+  return Primaries{c.red, c.green, c.blue, c.white};
+}
 
 Imf::Compression compression_of(ExrCompression compression) {
   switch (compression) {
@@ -247,29 +250,32 @@ std::vector<std::string> ordered_channels(const fs::path& path, const Imf::Chann
   return names;
 }
 
+// A damaged header may promise any size; four gigabytes of floats are more than any honest picture here.
+void check_values(const fs::path& path, std::int64_t width, std::int64_t height, std::size_t channels) {
+  constexpr std::int64_t most_values = std::int64_t{1} << 30;
+  if (width < 1 || height < 1 || channels == 0 ||
+      width > most_values / height / static_cast<std::int64_t>(channels))
+    throw Error(path.string(),
+                "it has " + std::to_string(channels) + " channels of " + std::to_string(width) + "x" +
+                    std::to_string(height) + " pixels",
+                "give a picture with pixels, of at most " + std::to_string(most_values) + " values");
+}
+
 Image empty_image(const fs::path& path, const Imf::Header& header) {
   const Imath::Box2i window = header.dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
   std::vector<std::string> channels = ordered_channels(path, header.channels());
-  // A damaged header may promise any size; four gigabytes of floats are more than any honest picture here.
-  constexpr std::int64_t most_values = std::int64_t{1} << 30;
-  if (width < 1 || height < 1 || channels.empty() ||
-      width > most_values / height / static_cast<std::int64_t>(channels.size()))
-    throw Error(path.string(),
-                "it has " + std::to_string(channels.size()) + " channels of " + std::to_string(width) + "x" +
-                    std::to_string(height) + " pixels",
-                "give a picture with pixels, of at most " + std::to_string(most_values) + " values");
+  check_values(path, width, height, channels.size());
   return {static_cast<int>(width), static_cast<int>(height), std::move(channels)};
 }
 
-Image read_first_part(const fs::path& path, ExrMetadata* metadata) {
-  Imf::MultiPartInputFile file(path.c_str());
-  const Imf::Header& header = file.header(0);
-  if (header.hasType() && Imf::isDeepData(header.type()))
-    throw Error(path.string(), "it holds deep data", "flatten it first");
+bool is_deep(const Imf::Header& header) { return header.hasType() && Imf::isDeepData(header.type()); }
+
+Image read_part(const fs::path& path, Imf::MultiPartInputFile& file, int number) {
+  const Imf::Header& header = file.header(number);
   // Asked before any memory is taken: a writer that was killed leaves the table of lines unfinished.
-  if (!file.partComplete(0))
+  if (!file.partComplete(number))
     throw Error(path.string(), "it is incomplete, its writer was probably interrupted", "write the file again");
   Image image = empty_image(path, header);
   const std::size_t channels = image.channels.size();
@@ -277,11 +283,37 @@ Image read_first_part(const fs::path& path, ExrMetadata* metadata) {
   for (std::size_t c = 0; c < channels; ++c)
     frame.insert(image.channels[c], slice_of(Imf::FLOAT, reinterpret_cast<char*>(image.pixels.data() + c),
                                              header.dataWindow(), channels * sizeof(float)));
-  Imf::InputPart part(file, 0);
+  Imf::InputPart part(file, number);
   part.setFrameBuffer(frame);
   part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
-  if (metadata != nullptr) *metadata = options_of(header).metadata;
   return image;
+}
+
+// The channels of all flat parts in the first one's window.
+Image joined(const fs::path& path, Imf::MultiPartInputFile& file, Image first) {
+  const V2i corner = file.header(0).dataWindow().min;
+  for (int p = 1; p < file.parts(); ++p) {
+    const Imf::Header& header = file.header(p);
+    if (is_deep(header)) continue;
+    Image part = read_part(path, file, p);
+    for (std::string& name : part.channels)
+      if (first.channel(name) >= 0) name = header.name() + "." + name;  // views, and layers without prefixes
+    std::vector<std::string> channels = first.channels;
+    channels.insert(channels.end(), part.channels.begin(), part.channels.end());
+    check_values(path, first.width, first.height, channels.size());
+    Image both(first.width, first.height, std::move(channels));
+    const V2i shift = corner - header.dataWindow().min;
+    for (int y = 0; y < both.height; ++y)
+      for (int x = 0; x < both.width; ++x) {
+        float* to = &both.pixels[both.index(x, y, 0)];
+        to = std::copy_n(&first.pixels[first.index(x, y, 0)], first.channels.size(), to);
+        const int from_x = x + shift.x, from_y = y + shift.y;
+        if (from_x >= 0 && from_x < part.width && from_y >= 0 && from_y < part.height)
+          std::copy_n(&part.pixels[part.index(from_x, from_y, 0)], part.channels.size(), to);
+      }
+    first = std::move(both);
+  }
+  return first;
 }
 
 }  // namespace
@@ -297,10 +329,11 @@ Imf::Header picture_header(int width, int height, const ExrOptions& options, boo
   header.insert("colorInteropID", Imf::StringAttribute(has_color ? options.color_space : "data"));
   const bool writes_chromaticities =
       options.chromaticities == ExrChromaticities::always ||
-      (options.chromaticities == ExrChromaticities::automatic && options.color_space != "lin_rec709_scene");
-  const auto space = color_spaces.find(options.color_space);
-  if (has_color && writes_chromaticities && space != color_spaces.end())
-    Imf::addChromaticities(header, space->second);
+      (options.chromaticities == ExrChromaticities::automatic && options.color_space != rec709_id);
+  const Primaries* known = find_interop_space(options.color_space);
+  if (known == nullptr && options.primaries) known = &*options.primaries;
+  if (has_color && writes_chromaticities && known != nullptr)
+    Imf::addChromaticities(header, chromaticities_of(*known));
   if (options.world_to_camera) Imf::addWorldToCamera(header, *options.world_to_camera);
   if (options.world_to_ndc) Imf::addWorldToNDC(header, *options.world_to_ndc);
   insert_metadata(header, options.metadata);
@@ -312,6 +345,7 @@ ExrOptions options_of(const Imf::Header& header) {
   options.metadata = metadata_of(header);
   if (const auto* space = header.findTypedAttribute<Imf::StringAttribute>("colorInteropID"))
     options.color_space = space->value();
+  if (options.color_space == unknown_space) options.primaries = primaries_of(header);
   if (Imf::hasWorldToCamera(header)) options.world_to_camera = Imf::worldToCamera(header);
   if (Imf::hasWorldToNDC(header)) options.world_to_ndc = Imf::worldToNDC(header);
   options.data_offset = header.dataWindow().min;
@@ -339,9 +373,9 @@ void check_exr(const fs::path& path, const std::vector<std::string>& channels, c
                         std::string(name_of_value<ExrCompression>(exr_compression_names, options.compression)) +
                         " would change the data in channel '" + name + "'",
                     "use it for colours alone, or none, rle, zips, zip or piz");
-  if (options.color_space != "unknown" && !color_spaces.contains(options.color_space)) {
-    std::vector<std::string_view> names;
-    for (const auto& [name, chromaticities] : color_spaces) names.push_back(name);
+  if (options.color_space != unknown_space && find_interop_space(options.color_space) == nullptr) {
+    std::vector<std::string_view> names{unknown_space};
+    for (const auto& [name, primaries] : interop_spaces()) names.push_back(name);
     throw Error(path.string(), "unknown colour space '" + options.color_space + "'",
                 "use one of: " + join_names(names));
   }
@@ -369,9 +403,16 @@ V2i exr_size(const fs::path& path) {
   });
 }
 
-Image read_exr(const fs::path& path, ExrMetadata* metadata) {
+Image read_exr(const fs::path& path, ExrMetadata* metadata, std::optional<Primaries>* primaries) {
   check_is_exr(path);
-  return in_our_words(path, [&] { return read_first_part(path, metadata); });
+  return in_our_words(path, [&] {
+    Imf::MultiPartInputFile file(path.c_str());
+    const Imf::Header& header = file.header(0);
+    if (is_deep(header)) throw Error(path.string(), "it holds deep data", "flatten it first");
+    if (metadata != nullptr) *metadata = metadata_of(header);
+    if (primaries != nullptr) *primaries = primaries_of(header);
+    return joined(path, file, read_part(path, file, 0));
+  });
 }
 
 }  // namespace twopass

@@ -11,6 +11,7 @@
 #include "render/core/names.h"
 #include "render/core/types.h"
 #include "render/image/image.h"
+#include "render/image/primaries.h"
 
 namespace twopass {
 
@@ -37,6 +38,9 @@ inline constexpr Named<ExrChromaticities> exr_chromaticities_names[] = {{"auto",
                                                                         {"always", ExrChromaticities::always},
                                                                         {"never", ExrChromaticities::never}};
 
+/// What colorInteropID says of spaces that have no name in the list.
+inline constexpr const char* unknown_space = "unknown";
+
 /// Header attributes in order: name such as "twopass/spp", and text or number.
 using ExrMetadata = std::vector<std::pair<std::string, std::variant<std::string, float, int>>>;
 
@@ -51,9 +55,9 @@ struct ExrOptions {
   ExrMetadata metadata{};
   ExrCompression compression = ExrCompression::zips;
   ExrParts parts = ExrParts::single;
-  /// "unknown", or the name of the colours' space in "An ID for Color Interop" (Color Interop Forum): the attribute
-  /// colorInteropID.
-  std::string color_space = "lin_rec709_scene";
+  /// The attribute colorInteropID: one of interop_spaces(), or unknown_space.
+  std::string color_space = rec709_id;
+  std::optional<Primaries> primaries{};  ///< of an unknown space, if it is known what it is
   ExrChromaticities chromaticities = ExrChromaticities::automatic;
   /// Standard attributes of the camera, see render/scene/camera.h.
   std::optional<M44f> world_to_camera{}, world_to_ndc{};
@@ -76,9 +80,13 @@ void write_exr(const std::filesystem::path& path, const Image& image, const ExrO
 /// Width and height of the first part's data window, from the header alone. Throws Error as read_exr.
 V2i exr_size(const std::filesystem::path& path);
 
-/// Reads the first part's data window with all its channels: R, G, B, A first, the others by name. Values are
-/// as in the file, non-finite ones included. With `metadata`, also the attributes of text, float and int.
-/// Throws Error when the file is missing, no OpenEXR, incomplete, deep or has subsampled channels.
-Image read_exr(const std::filesystem::path& path, ExrMetadata* metadata = nullptr);
+/// Reads the first part's data window with all channels of all parts: R, G, B, A first, the others by part and
+/// name; 0 where a part has no pixels. A name that an earlier part has, too, gets the part's name in front.
+/// Deep parts behind the first are left out. Values are as in the file, non-finite ones included. With
+/// `metadata`, also the first part's attributes of text, float and int; with `primaries`, those of its colours
+/// if colorInteropID tells them. Throws Error when the file is missing, no OpenEXR, incomplete, deep or has
+/// subsampled channels.
+Image read_exr(const std::filesystem::path& path, ExrMetadata* metadata = nullptr,
+               std::optional<Primaries>* primaries = nullptr);
 
 }  // namespace twopass

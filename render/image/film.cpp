@@ -112,20 +112,24 @@ std::size_t FilmLayout::bytes_per_pixel() const {
 
 Film::Film(int width, int height, FilmLayout layout)
     : width_(width), height_(height), layout_(std::move(layout)) {
+  check(width, height, layout_);
+  pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  layers_ = FilmLayers(pixels_.size(), layout_.layers, layout_.has_signed_weights);
+  cryptomattes_.assign(layout_.cryptomattes.size(), CryptoFilm(pixels_.size()));
+}
+
+void Film::check(int width, int height, const FilmLayout& layout) {
   if (width < 1 || height < 1 || static_cast<std::int64_t>(width) * height > most_pixels)
     throw Error("picture", "its size is " + std::to_string(width) + "x" + std::to_string(height),
                 "choose a size of at least 1x1 and at most " + std::to_string(most_pixels) + " pixels");
   // The system would promise the memory, and end the program when it is used.
-  const double bytes = bytes_to_render(width, height, layout_);
+  const double bytes = bytes_to_render(width, height, layout);
   if (bytes > memory_limit_bytes())
     throw Error("picture",
                 std::to_string(width) + "x" + std::to_string(height) + " pixels need " +
                     std::to_string(static_cast<int>(std::ceil(bytes / 1e9))) + " GB of memory, there are " +
                     std::to_string(static_cast<int>(memory_limit_bytes() / 1e9)),
                 "choose a smaller size or fewer layers, or render it in parts (--crop)");
-  pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  layers_ = FilmLayers(pixels_.size(), layout_.layers, layout_.has_signed_weights);
-  cryptomattes_.assign(layout_.cryptomattes.size(), CryptoFilm(pixels_.size()));
 }
 
 double Film::bytes_to_render(int width, int height, const FilmLayout& layout) {

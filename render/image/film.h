@@ -91,9 +91,11 @@ struct FilmLayout {
 
 class Film {
  public:
-  /// An empty film. Throws Error unless both sizes are at least 1 and the film has at most 2^30 pixels (32k x
-  /// 32k), for which the machine has the memory.
+  /// An empty film. Throws Error as check().
   Film(int width, int height, FilmLayout layout = {});
+  /// For use before any work: throws Error unless both sizes are at least 1 and the film has at most 2^30
+  /// pixels (32k x 32k), for which the machine has the memory.
+  static void check(int width, int height, const FilmLayout& layout);
   /// The memory that it takes to render and to write a picture, however many samples it has; Cryptomatte's
   /// things excepted.
   [[nodiscard]] static double bytes_to_render(int width, int height, const FilmLayout& layout = {});

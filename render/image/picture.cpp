@@ -65,6 +65,45 @@ void premultiply(Image& image) {
   }
 }
 
+// Layers that are colours: not Cryptomatte's, whose channels are called like those.
+bool is_of_colors(const std::string& layer, const ExrMetadata& metadata) {
+  return std::none_of(metadata.begin(), metadata.end(), [&](const auto& entry) {
+    const auto* name = std::get_if<std::string>(&entry.second);
+    return name && entry.first.starts_with("cryptomatte/") && entry.first.ends_with("/name") &&
+           layer.starts_with(*name);
+  });
+}
+
+Image read_in_rec709(const fs::path& path, ExrMetadata* metadata) {
+  ExrMetadata own;
+  std::optional<Primaries> primaries;
+  Image image = read_exr(path, &own, &primaries);
+  const Primaries& rec709 = *find_interop_space(rec709_id);
+  if (primaries && *primaries != rec709) {
+    const ColorMatrix to_rec709 = conversion(*primaries, rec709);
+    for (std::size_t c = 0; c < image.channels.size(); ++c) {
+      const std::string& name = image.channels[c];
+      const std::string layer = name == "R" ? "" : name.ends_with(".R") ? name.substr(0, name.size() - 1) : "-";
+      const int green = image.channel(layer + "G"), blue = image.channel(layer + "B");
+      if (layer == "-" || green < 0 || blue < 0 || !is_of_colors(layer, own)) continue;
+      for (std::size_t i = 0; i < image.pixels.size(); i += image.channels.size()) {
+        float *r = &image.pixels[i + c], *g = &image.pixels[i + static_cast<std::size_t>(green)],
+              *b = &image.pixels[i + static_cast<std::size_t>(blue)];
+        const C3f color = linear_image(to_rec709, {*r, *g, *b});
+        *r = color.x;
+        *g = color.y;
+        *b = color.z;
+      }
+      // Variances are not linear in the colours: those of Rec.709 cannot be told from them.
+      if (layer == "variance.")
+        for (const int channel : {static_cast<int>(c), green, blue})
+          image.channels[static_cast<std::size_t>(channel)].insert(0, "other_");
+    }
+  }
+  if (metadata != nullptr) *metadata = std::move(own);
+  return image;
+}
+
 void decode_srgb(Image& image) {
   const int alpha = image.channel("A");
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
@@ -85,11 +124,11 @@ void write_picture(const fs::path& path, const Image& scene_linear, const Displa
   if (format_of(path) == Format::exr) return write_exr(path, scene_linear, options);
   std::optional<DisplayTransform> usual;
   if (display == nullptr) display = &usual.emplace();
-  write_raster(path, seen_through(scene_linear, *display, path.string()));
+  write_raster(path, seen_through(scene_linear, *display, path.string()), options.data_offset);
 }
 
 Image read_picture(const fs::path& path, ExrMetadata* metadata) {
-  if (extension_of(path) == ".exr") return read_exr(path, metadata);
+  if (extension_of(path) == ".exr") return read_in_rec709(path, metadata);
   RasterImage raster = read_raster(path);
   if (raster.display_referred) decode_srgb(raster.image);
   premultiply(raster.image);

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "render/core/error.h"
+#include "render/core/sampler.h"
 #include "render/image/atomic_file.h"
 #include "render/image/oiio_loader.h"
 #include "render/image/regular_file.h"
@@ -49,15 +50,32 @@ struct Exchange {
   }
 };
 
-template <class Integer>
-std::vector<Integer> quantized(const Image& image, std::string_view where) {
-  constexpr auto white = static_cast<float>(std::numeric_limits<Integer>::max());
+// What is added before digits are cut off: in [0, 1), independent between pixels and channels of a frame.
+struct Dither {
+  V2i corner;
+  [[nodiscard]] double operator()(int x, int y, int channel) const {
+    const std::uint64_t place =
+        hash_words(static_cast<std::uint32_t>(x + corner.x), static_cast<std::uint32_t>(y + corner.y));
+    return 0x1p-32 * static_cast<double>(hash_word(place + static_cast<std::uint64_t>(channel)) >> 32);
+  }
+};
+struct Nearest {
+  double operator()(int, int, int) const { return 0.5; }
+};
+
+template <class Integer, class Rounding>
+std::vector<Integer> quantized(const Image& image, std::string_view where, const Rounding& rounding) {
+  constexpr double white = std::numeric_limits<Integer>::max();
   std::vector<Integer> samples;
   samples.reserve(3 * image.pixel_count());
-  for (const C3f& c : rgb_pixels(image, where))
-    for (int i = 0; i < 3; ++i) {
-      const float value = std::isfinite(c[i]) ? std::clamp(c[i], 0.0f, 1.0f) : 0.0f;
-      samples.push_back(static_cast<Integer>(value * white + 0.5f));
+  const std::vector<C3f> pixels = rgb_pixels(image, where);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const C3f& c = pixels[samples.size() / 3];
+      for (int i = 0; i < 3; ++i) {
+        const float value = std::isfinite(c[i]) ? std::clamp(c[i], 0.0f, 1.0f) : 0.0f;
+        samples.push_back(static_cast<Integer>(std::min(std::floor(value * white + rounding(x, y, i)), white)));
+      }
     }
   return samples;
 }
@@ -70,12 +88,14 @@ std::string format_of(const fs::path& path) {
   return extension;
 }
 
-std::vector<std::byte> encoded(const Image& image, const std::string& format, std::string_view where) {
+template <class Rounding>
+std::vector<std::byte> encoded(const Image& image, const std::string& format, std::string_view where,
+                               const Rounding& rounding) {
   const bool deep = format.starts_with("tif");
   const std::vector<std::uint16_t> samples16 =
-      deep ? quantized<std::uint16_t>(image, where) : std::vector<std::uint16_t>();
+      deep ? quantized<std::uint16_t>(image, where, rounding) : std::vector<std::uint16_t>();
   const std::vector<std::uint8_t> samples8 =
-      deep ? std::vector<std::uint8_t>() : quantized<std::uint8_t>(image, where);
+      deep ? std::vector<std::uint8_t>() : quantized<std::uint8_t>(image, where, rounding);
   const TwopassRaster raster{format.c_str(), image.width, image.height, deep ? 16 : 8,
                              deep ? static_cast<const void*>(samples16.data()) : samples8.data()};
   Exchange exchange;
@@ -86,11 +106,11 @@ std::vector<std::byte> encoded(const Image& image, const std::string& format, st
 
 }  // namespace
 
-void write_raster(const fs::path& path, const Image& image) {
-  write_atomically(path, encoded(image, format_of(path), path.string()));
+void write_raster(const fs::path& path, const Image& image, const V2i& corner) {
+  write_atomically(path, encoded(image, format_of(path), path.string(), Dither{corner}));
 }
 
-std::vector<std::byte> encode_png(const Image& image) { return encoded(image, "png", "picture"); }
+std::vector<std::byte> encode_png(const Image& image) { return encoded(image, "png", "picture", Nearest{}); }
 
 RasterImage read_raster(const fs::path& path) {
   check_regular_file(path);

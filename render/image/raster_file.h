@@ -17,11 +17,13 @@ struct RasterImage {
 };
 
 /// Writes the picture's R, G, B, display-referred in [0,1], in the format of the extension: .png, .jpg and
-/// .jpeg with 8 bits a channel, .tif and .tiff with 16. Same pixels, same bytes. Atomic. Throws Error on any
-/// failure, a missing module included.
-void write_raster(const std::filesystem::path& path, const Image& image);
+/// .jpeg with 8 bits a channel, .tif and .tiff with 16. Dithered: a value between two steps becomes the upper
+/// one as often as it is close to it, which its mean over pixels keeps; values on a step stay there. `corner`
+/// is the place of the image in the full frame, which decides on the pattern. Same pixels, same bytes. Atomic.
+/// Throws Error on any failure, a missing module included.
+void write_raster(const std::filesystem::path& path, const Image& image, const V2i& corner = {0, 0});
 
-/// The bytes of the same picture as a PNG file. Throws Error.
+/// The bytes of the picture as a PNG file of the nearest values, not dithered. Throws Error.
 std::vector<std::byte> encode_png(const Image& image);
 
 /// Reads any picture that OpenImageIO understands. Throws Error when it does not, or the file is missing or

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "render/image/primaries.h"
 #include "render/preview/connection.h"
 #include "render/preview/tev_packets.h"
 
@@ -30,10 +31,12 @@ struct Preview::State {
     bool sampled = false, changed = false;
   };
 
-  State(Address address_, std::string name_, const V2i& size_, std::function<void(const std::string&)> note_)
+  State(Address address_, std::string name_, const V2i& size_, std::function<void(const std::string&)> note_,
+        const ColorMatrix& to_rec709_)
       : address(std::move(address_)),
         name(std::move(name_)),
         note(std::move(note_)),
+        to_rec709(to_rec709_),
         size(size_),
         blocks_x((size.x + block_size - 1) / block_size),
         blocks(static_cast<std::size_t>(blocks_x) *
@@ -113,6 +116,7 @@ struct Preview::State {
   const Address address;
   const std::string name;
   const std::function<void(const std::string&)> note;
+  const ColorMatrix to_rec709;
   const V2i size;
   const int blocks_x;
   std::vector<Block> blocks;
@@ -126,9 +130,9 @@ struct Preview::State {
 };
 
 Preview::Preview(const std::string& address, const std::string& name, int width, int height,
-                 std::function<void(const std::string&)> note)
+                 std::function<void(const std::string&)> note, const ColorMatrix& to_rec709)
     : state_(std::make_shared<State>(parse_address(address, "--preview"), name, V2i(width, height),
-                                     std::move(note))) {
+                                     std::move(note), to_rec709)) {
   std::thread([state = state_] { state->run(); }).detach();
 }
 
@@ -150,7 +154,11 @@ void Preview::update(const Film& film, const V2i& corner, const V2i& size) {
       const std::lock_guard lock(block.mutex);
       block.sampled = block.changed = true;
       for (; x < end; ++x) {
-        const std::array<float, 4> rgba = film.pixel(x, y).resolved();
+        std::array<float, 4> rgba = film.pixel(x, y).resolved();
+        if (state_->to_rec709 != ColorMatrix{}) {
+          const C3f color = linear_image(state_->to_rec709, {rgba[0], rgba[1], rgba[2]});
+          for (std::size_t c = 0; c < 3; ++c) rgba[c] = color[static_cast<int>(c)];
+        }
         std::copy(rgba.begin(), rgba.end(),
                   state_->pixels.begin() + static_cast<std::ptrdiff_t>(state_->index(x, y)));
       }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "render/core/color_matrix.h"
 #include "render/image/film.h"
 
 namespace twopass {
@@ -15,16 +16,17 @@ namespace twopass {
 class Preview {
  public:
   /// `address` HOST:PORT; `name` of the picture in the viewer; `note` is called, from the thread, when the
-  /// viewer is not there. Throws Error when that is no address.
+  /// viewer is not there; `to_rec709`: from the film's colours to those of viewers.
+  /// Throws Error when that is no address.
   Preview(const std::string& address, const std::string& name, int width, int height,
-          std::function<void(const std::string&)> note);
+          std::function<void(const std::string&)> note, const ColorMatrix& to_rec709 = {});
   /// Sends the rest, for at most two seconds.
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
 
-  /// Takes pixels of the film as they would stand in a file. Any thread may call it for pixels that nobody else
-  /// changes.
+  /// Takes pixels of the film as they would stand in a file, but in linear Rec.709. Any thread may call it for
+  /// pixels that nobody else changes.
   void update(const Film& film, const V2i& corner, const V2i& size);
 
  private:

@@ -172,6 +172,36 @@ TEST_F(Color, WorkingSpacesAreMatrices) {
   }
 }
 
+// Names and primaries by the recommendation; the library's own matrices are the judge.
+TEST_F(Color, NamedSpacesHaveThePrimariesOfTheirNames) {
+  for (const auto& [name, primaries] : interop_spaces()) {
+    const ColorMatrix from_rec709 = conversion(*find_interop_space(rec709_id), primaries);
+    EXPECT_EQ(interop_id_of(from_rec709), name);
+    const Primaries seen = primaries_of(conversion(primaries, *find_interop_space(rec709_id)));
+    // Under Rec.709's white: the same, where that is the space's own.
+    if (primaries.white == find_interop_space(rec709_id)->white)
+      for (const auto& [a, b] :
+           {std::pair(seen.red, primaries.red), {seen.green, primaries.green}, {seen.blue, primaries.blue}})
+        EXPECT_LT((a - b).length(), 1e-5f) << name;
+    EXPECT_LT((seen.white - V2f(0.3127f, 0.3290f)).length(), 1e-5f) << name;
+  }
+  for (const std::string name : {"ACEScg", "ACES2065-1"}) {
+    const WorkingSpace space = find_working_space(name, "");
+    const ColorMatrix ours = conversion(*find_interop_space(rec709_id), *find_interop_space(space.interop_id));
+    for (std::size_t i = 0; i < 3; ++i) expect_near(ours.image[i], space.from_rec709.image[i], 1e-5f);
+  }
+  EXPECT_EQ(interop_id_of({{C3f(1, 0, 0), C3f(0, 1, 0), C3f(0, 0.1f, 0.9f)}}), "");
+}
+
+TEST_F(Color, RolesNameSpacesToo) {
+  EXPECT_EQ(find_working_space("aces_interchange", "").name, "ACES2065-1");
+  EXPECT_EQ(find_working_space("lin_ap1_scene", "").name, "ACEScg") << "an alias";
+  EXPECT_TRUE(contains(error_of([] { (void)find_working_space("Raw", ""); }), "data"));
+  EXPECT_TRUE(contains(
+      error_of([&] { (void)find_working_space("aces", write_config("norole.ocio", "v", "", ap0_space)); }),
+      "aces_interchange"));
+}
+
 TEST_F(Color, WorkingSpacesMustBeLinearAndKnown) {
   EXPECT_TRUE(contains(error_of([] { (void)find_working_space("sRGB - Texture", ""); }), "not linear"));
   const std::string unknown = error_of([] { (void)find_working_space("ACEScq", ""); });

@@ -132,30 +132,44 @@ TEST_F(Exr, DamagedBytesNeverCrash) {
   EXPECT_GT(errors, 0);
 }
 
-TEST_F(Exr, OfSeveralPartsTheFirstIsRead) {
+// Writes pixels 1, 2, 3 ... of one channel into the data window of each part.
+void write_parts(const std::string& path, const std::vector<std::pair<std::string, Imath::Box2i>>& parts,
+                 const std::vector<std::string>& channels) {
   std::vector<Imf::Header> headers;
-  for (const char* name : {"first", "second"}) {
-    Imf::Header header(2, 1);
-    header.setName(name);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Imf::Header header(Imath::Box2i({0, 0}, {1, 1}), parts[i].second);
+    header.setName(parts[i].first);
     header.setType(Imf::SCANLINEIMAGE);
-    header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+    header.channels().insert(channels[i], Imf::Channel(Imf::FLOAT));
     headers.push_back(header);
   }
-  std::vector<float> values{1.0f, 2.0f};
-  {
-    Imf::MultiPartOutputFile out(file("parts.exr").c_str(), headers.data(), 2);
-    for (int part = 0; part < 2; ++part) {
-      Imf::FrameBuffer frame;
-      frame.insert("Y", Imf::Slice::Make(Imf::FLOAT, values.data(), headers[0].dataWindow()));
-      Imf::OutputPart output(out, part);
-      output.setFrameBuffer(frame);
-      output.writePixels(1);
-      values = {8.0f, 9.0f};
-    }
+  Imf::MultiPartOutputFile out(path.c_str(), headers.data(), static_cast<int>(headers.size()));
+  float value = 0.0f;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Imath::Box2i& window = headers[i].dataWindow();
+    std::vector<float> values(static_cast<std::size_t>((window.size().x + 1) * (window.size().y + 1)));
+    for (float& v : values) v = ++value;
+    Imf::FrameBuffer frame;
+    frame.insert(channels[i], Imf::Slice::Make(Imf::FLOAT, values.data(), window));
+    Imf::OutputPart output(out, static_cast<int>(i));
+    output.setFrameBuffer(frame);
+    output.writePixels(window.size().y + 1);
   }
+}
+
+TEST_F(Exr, LayersOfAllPartsAreRead) {
+  const Imath::Box2i all({0, 0}, {1, 1});
+  write_parts(file("parts.exr").string(), {{"first", all}, {"second", all}, {"third", all}}, {"Y", "a.Z", "Y"});
   const Image image = read_exr(file("parts.exr"));
-  EXPECT_EQ(image.pixels, (std::vector<float>{1.0f, 2.0f}));
-  EXPECT_EQ(image.rgb(1, 0), C3f(2.0f, 2.0f, 2.0f));
+  EXPECT_EQ(image.channels, (std::vector<std::string>{"Y", "a.Z", "third.Y"}));
+  EXPECT_EQ(image.pixels, (std::vector<float>{1, 5, 9, 2, 6, 10, 3, 7, 11, 4, 8, 12}));
+}
+
+TEST_F(Exr, PartsWithOtherWindowsArePutInPlace) {
+  write_parts(file("parts.exr").string(), {{"a", {{0, 0}, {1, 1}}}, {"b", {{1, -1}, {2, 0}}}}, {"Y", "b.Y"});
+  const Image image = read_exr(file("parts.exr"));
+  // The lower left pixel of b is the upper right one of a.
+  EXPECT_EQ(image.pixels, (std::vector<float>{1, 0, 2, 7, 3, 0, 4, 0}));
 }
 
 TEST_F(Exr, SubsampledChromaIsAnError) {

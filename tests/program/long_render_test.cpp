@@ -152,6 +152,14 @@ TEST_F(LongRender, WhatCannotBeIsSaidAtOnce) {
   EXPECT_FALSE(fs::exists(folder_ / "a.exr"));
 }
 
+TEST_F(LongRender, APictureThatNeedsMoreMemoryThanThereIsIsRefusedBeforePassOne) {
+  const Outcome result = run("render '" + scene + "' --size 32768x32768 --spp 1 -o a.exr",
+                             "prlimit --as=4000000000");
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_NE(result.err.find("32768x32768 pixels need"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("radiosity"), std::string::npos) << "no work was done: " << result.err;
+}
+
 TEST_F(LongRender, KilledAtAnyMomentItGoesOnWithTheSameBytes) {
   for (const std::vector<std::string>& goal : {std::vector<std::string>{"--spp", "200"}, {"--noise", "0.03"}}) {
     const std::string goal_text = goal[0] + " " + goal[1];

@@ -109,6 +109,20 @@ TEST(Preview, ShowsWhatTheFileWillHold) {
   EXPECT_EQ(viewer.error(), "");
 }
 
+TEST(Preview, ConvertsToWhatViewersTake) {
+  Viewer viewer;
+  Film film(3, 2);
+  fill(film, 1.0f);
+  const ColorMatrix matrix{{C3f(1.5f, -0.25f, 0.0f), C3f(-0.5f, 1.25f, 0.5f), C3f(0.0f, 0.0f, 0.5f)}};
+  Preview(viewer.address(), "a.exr", 3, 2, silent, matrix).update(film, {0, 0}, {3, 2});
+  // Pixel (2,1): 3, 1, .25 with alpha .5.
+  EXPECT_TRUE(viewer.wait([&](const auto& all) {
+    if (!all.contains("a.exr") || all.at("a.exr").updates == 0) return false;
+    const auto& planes = all.at("a.exr").planes;
+    return planes[0][5] == 4.0f && planes[1][5] == 0.5f && planes[2][5] == 0.625f && planes[3][5] == 0.5f;
+  }));
+}
+
 TEST(Preview, AVeryShortRenderIsShownToo) {
   Viewer viewer;
   Film film(10, 10);
