@@ -174,7 +174,7 @@ void check_color_space(const NamedConfig& named, const std::string& name, std::s
   const std::vector<std::string_view> views(known.begin(), known.end());
   throw Error(
       where,
-      "the OpenColorIO configuration " + named.name + " has no colour space, alias or role '" + name + "'",
+      "the OpenColorIO configuration " + named.name + " has no colour space '" + name + "', nor such an alias or role",
       "use one of: " + join_names(views) + std::string(remedy));
 }
 

@@ -86,6 +86,12 @@ Image read_in_rec709(const fs::path& path, ExrMetadata* metadata) {
       const std::string layer = name == "R" ? "" : name.ends_with(".R") ? name.substr(0, name.size() - 1) : "-";
       const int green = image.channel(layer + "G"), blue = image.channel(layer + "B");
       if (layer == "-" || green < 0 || blue < 0 || !is_of_colors(layer, own)) continue;
+      // Variances are not linear in the colours: those of Rec.709 cannot be told from them.
+      if (layer == "variance.") {
+        for (const int channel : {static_cast<int>(c), green, blue})
+          image.channels[static_cast<std::size_t>(channel)].insert(0, "other_");
+        continue;
+      }
       for (std::size_t i = 0; i < image.pixels.size(); i += image.channels.size()) {
         float *r = &image.pixels[i + c], *g = &image.pixels[i + static_cast<std::size_t>(green)],
               *b = &image.pixels[i + static_cast<std::size_t>(blue)];
@@ -94,10 +100,6 @@ Image read_in_rec709(const fs::path& path, ExrMetadata* metadata) {
         *g = color.y;
         *b = color.z;
       }
-      // Variances are not linear in the colours: those of Rec.709 cannot be told from them.
-      if (layer == "variance.")
-        for (const int channel : {static_cast<int>(c), green, blue})
-          image.channels[static_cast<std::size_t>(channel)].insert(0, "other_");
     }
   }
   if (metadata != nullptr) *metadata = std::move(own);

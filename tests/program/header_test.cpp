@@ -101,15 +101,25 @@ TEST_F(Headers, OpenImageIoReadsTheSamePixels) {
   tool("oiiotool one.exr -o back.exr");
   const Image ours = read_exr(folder_ / "one.exr"), theirs = read_exr(folder_ / "back.exr"),
               parts = read_exr(folder_ / "parts.exr");
-  EXPECT_EQ(ours.channels, theirs.channels);
-  EXPECT_EQ(ours.pixels, theirs.pixels);
+  ASSERT_EQ(ours.channels, theirs.channels);
+  const auto expect_equal = [](const Image& a, const Image& b, const std::string& name) {
+    ASSERT_GE(b.channel(name), 0) << name;
+    for (int y = 0; y < a.height; ++y)
+      for (int x = 0; x < a.width; ++x)
+        ASSERT_EQ(a.at(x, y, a.channel(name)), b.at(x, y, b.channel(name))) << name << " " << x << "," << y;
+  };
+  // Of channels of several types oiiotool makes floats, and of whole numbers fractions of the largest: by
+  // themselves they stay what they are.
+  for (const std::string& name : ours.channels)
+    if (!name.starts_with("id.")) expect_equal(ours, theirs, name);
+  tool("oiiotool parts.exr --subimage id -o id.exr");
+  for (const std::string name : {"id.object", "id.material"})
+    expect_equal(parts, read_exr(folder_ / "id.exr"), name);
   EXPECT_EQ(std::set<std::string>(parts.channels.begin(), parts.channels.end()),
             std::set<std::string>(ours.channels.begin(), ours.channels.end()));
   for (const std::string name :
        {"Z", "P.X", "id.object", "CryptoObject00.R", "CryptoObject00.G", "samples.X", "A"})
-    for (int y = 0; y < ours.height; ++y)
-      for (int x = 0; x < ours.width; ++x)
-        ASSERT_EQ(ours.at(x, y, ours.channel(name)), parts.at(x, y, parts.channel(name))) << name;
+    expect_equal(ours, parts, name);
 }
 
 }  // namespace
