@@ -54,8 +54,11 @@ CoatTable compute(Microfacet distribution, float alpha, float eta) {
   }
   // The mean over the table's nodes as Mitsuba 3 takes it, which is 1.6 % below the integral: its rough plastic
   // is a little darker than that integral makes it.
-  table.internal_reflectance = static_cast<float>(2.0 * internal / CoatTable::size);
   table.mean_transmittance = mean_over_cosines(table.transmittance);
+  // By reciprocity no less leaves than 1 / eta^2 of what enters, which the difference has no digits for where
+  // the index is high.
+  table.escape = std::max(static_cast<float>(1.0 - 2.0 * internal / CoatTable::size),
+                          table.mean_transmittance / (eta * eta));
   return table;
 }
 

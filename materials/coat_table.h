@@ -13,7 +13,7 @@ struct CoatTable {
   Microfacet distribution;
   float alpha, eta;
   std::array<float, size> transmittance;  ///< of light from outside, at cosines i / (size - 1)
-  float internal_reflectance;             ///< of diffuse light from the base
+  float escape;                           ///< what of diffuse light from the base leaves at once; > 0
   float mean_transmittance;               ///< of diffuse light from outside
 
   /// Transmittance of light from outside at this cosine in [0, 1].

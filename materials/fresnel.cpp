@@ -14,8 +14,19 @@ float fresnel_dielectric(float cos_i, float eta, float& cos_t) {
   return 0.5f * (s * s + p * p);
 }
 
+namespace {
+// From where on the fit of light from inside gives way to reciprocity: (1 - R_int) eta^2 = 1 - R_ext.
+constexpr float most_of_fit = 2.0f;
+}  // namespace
+
+float fresnel_diffuse_escape(float eta) {
+  if (eta <= most_of_fit) return 1.0f - fresnel_diffuse_reflectance(1.0f / eta);
+  return (1.0f - fresnel_diffuse_reflectance(eta)) / (eta * eta);
+}
+
 float fresnel_diffuse_reflectance(float eta) {
   const float x = 1.0f / eta;
+  if (x > most_of_fit) return 1.0f - fresnel_diffuse_escape(x);
   if (eta < 1.0f) return 0.6681f + 0.7099f * eta - 1.4399f * eta * eta + 0.0636f * x;
   return 0.919317f + x * (-3.4793f + x * (6.75335f + x * (-7.80989f + x * (4.98554f + x * -1.36881f))));
 }

@@ -12,8 +12,11 @@ float fresnel_dielectric(float cos_i, float eta, float& cos_t);
 
 /// The reflectance of such an interface for diffuse light, the mean over the cosine: within 0.2 % for eta above
 /// 1 (d'Eon and Irving 2011), within 0.1 % from 1 / 1.5 to 1 and 0.6 % from 1 / 2 on (Egan and Hilgeman 1973);
-/// the fits that Mitsuba renders plastic with.
+/// the fits that Mitsuba renders plastic with. Below 1 / 2, by reciprocity, from the other side (M10).
 float fresnel_diffuse_reflectance(float eta);
+/// 1 - fresnel_diffuse_reflectance(1 / eta), the share of the light from a diffuse base that leaves its coat,
+/// without cancellation: above 0 for every eta in [1e-3, 1e3].
+float fresnel_diffuse_escape(float eta);
 
 /// Unpolarised reflectance of a conductor of complex index eta + i k relative to the outside, per channel (M3).
 C3f fresnel_conductor(float cos_i, const C3f& eta, const C3f& k);

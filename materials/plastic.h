@@ -8,12 +8,12 @@
 
 namespace twopass {
 
-/// What a diffuse base of this reflectance shows through a coat that reflects back `internal_reflectance` of
-/// its light: the sum over all bounces. Unless `nonlinear`, the bounces do not tint: they count as of a white
-/// base.
-inline C3f base_after_bounces(const C3f& base_reflectance, float internal_reflectance, bool nonlinear) {
-  if (!nonlinear) return base_reflectance * (1.0f / (1.0f - internal_reflectance));
-  return base_reflectance / (C3f(1.0f) - base_reflectance * internal_reflectance);
+/// What a diffuse base of this reflectance shows through a coat that lets the share `escape` > 0 of its light
+/// out and reflects the rest back: the sum over all bounces. Unless `nonlinear`, the bounces do not tint: they
+/// count as of a white base.
+inline C3f base_after_bounces(const C3f& base_reflectance, float escape, bool nonlinear) {
+  if (!nonlinear) return base_reflectance * (1.0f / escape);
+  return base_reflectance / ((C3f(1.0f) - base_reflectance) + base_reflectance * escape);
 }
 
 /// Probability of sampling the coat, when it reflects `reflected` of the light and transmits the rest. NaN when
@@ -67,7 +67,7 @@ struct Plastic {
  private:
   // The base after bounces; radiance that leaves the coat is divided by eta^2 (M2).
   [[nodiscard]] C3f base() const {
-    return base_after_bounces(base_reflectance, fresnel_diffuse_reflectance(1.0f / eta), nonlinear) *
+    return base_after_bounces(base_reflectance, fresnel_diffuse_escape(eta), nonlinear) *
            (1.0f / (eta * eta));
   }
   [[nodiscard]] float transmitted(float cosine) const {

@@ -9,7 +9,7 @@ namespace twopass {
 
 // The base after bounces; radiance that leaves the coat is divided by eta^2 (M2).
 C3f RoughPlastic::base() const {
-  return base_after_bounces(base_reflectance, coat->internal_reflectance, nonlinear) * (1.0f / (eta * eta));
+  return base_after_bounces(base_reflectance, coat->escape, nonlinear) * (1.0f / (eta * eta));
 }
 
 float RoughPlastic::coat_probability_at(float cosine) const {

@@ -127,6 +127,9 @@ class DisplayMeshBuilder {
       for (std::uint32_t face = root.first_element; face < cells && &mesh.root(face) == &root; ++face)
         add_face(r, face, original == no_index ? no_index : original_face++);
     }
+    const WorldFrame& frame = scene_.description().frame;
+    for (DisplaySide& side : result_.sides)
+      for (V3f& p : side.position) p = frame.to_world(p);
     return std::move(result_);
   }
 

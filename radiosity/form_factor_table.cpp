@@ -1,6 +1,5 @@
 #include "radiosity/form_factor_table.h"
 
-#include "radiosity/centred_scene.h"
 #include "radiosity/form_factor_pair.h"
 #include "radiosity/hemicube_pixels.h"
 #include "radiosity/shape_exchange.h"
@@ -8,6 +7,7 @@
 #include "radiosity/table_closure.h"
 #include "radiosity/visibility.h"
 #include "radiosity/visible_exchange.h"
+#include "render/scene/centred_scene.h"
 #include "render/core/error.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
@@ -280,9 +280,10 @@ FormFactorTable form_factor_table(const Scene& scene, const FormFactorOptions& o
   FormFactorTable table;
   for (const Shape& shape : scene.shapes()) table.names.push_back(shape.name);
   if (scene.shapes().empty()) return table;
-  CentredScene local = centred(scene.description());
-  fill_in(table, Scene(std::move(local.scene)), options);
-  for (double& area : table.areas) area *= local.length_unit * local.length_unit;
+  const Scene local(centred(scene.description()));
+  fill_in(table, local, options);
+  const double unit = local.description().frame.unit;
+  for (double& area : table.areas) area *= unit * unit;
   if (table.degenerate_triangles > 0)
     table.notes.push_back(std::to_string(table.degenerate_triangles) +
                           " triangles without area exchange nothing and were left out");

@@ -145,7 +145,7 @@ void add_meshes(ordered_json& gltf, const DisplayMesh& mesh, const Scene& scene,
     meshes.push_back({{"name", name}, {"primitives", primitives}});
   }
   if (const std::optional<CameraDescription>& camera = scene.description().camera)
-    if (const std::optional<M44d> to_world = gltf_matrix(*camera)) {
+    if (const std::optional<M44d> to_world = gltf_matrix(scene.description().frame.to_world(*camera))) {
       roots.push_back(nodes.size());
       nodes.push_back({{"name", "camera"}, {"camera", 0}, {"matrix", matrix_json(*to_world)}});
       const double yfov = camera->fov_degrees * pi / 180.0;

@@ -124,6 +124,9 @@ std::uint64_t scene_fingerprint(const Scene& scene) {
   hash.add(std::uint64_t{scene.punctual_lights().size()});
   for (const PunctualLight& light : scene.punctual_lights()) hash.add(fingerprint(light));
   hash.add(scene.environment().fingerprint());
+  const WorldFrame& frame = scene.description().frame;
+  for (const double x : {frame.origin.x, frame.origin.y, frame.origin.z, frame.unit})
+    hash.add(std::bit_cast<std::uint64_t>(x));
   return hash.value();
 }
 

@@ -104,10 +104,10 @@ void Layers::values_of(const SampleLayers& seen, bool is_finite,
           append(values, first.point.geometric_normal);
           break;
         case Aov::position:
-          append(values, first.point.position);
+          append(values, scene_.description().frame.to_world(first.point.position));
           break;
         case Aov::depth:
-          values.push_back((first.point.position - eye_).dot(forward_));
+          values.push_back((first.point.position - eye_).dot(forward_) * static_cast<float>(scene_.description().frame.unit));
           break;
         case Aov::uv: {
           const V2f at = scene_.texture_coordinates(first.point);

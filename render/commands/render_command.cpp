@@ -429,8 +429,9 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     s.outcome.counts = state.costs.counts;
     ExrOptions exr = exr_options(options, loaded.settings, settings, s);
     settle_space(space, exr);
-    exr.world_to_camera = M44f(world_to_camera(camera_description));
-    exr.world_to_ndc = M44f(world_to_ndc(camera_description, settings.width, settings.height));
+    const CameraDescription in_world = scene.description().frame.to_world(camera_description);
+    exr.world_to_camera = M44f(world_to_camera(in_world));
+    exr.world_to_ndc = M44f(world_to_ndc(in_world, settings.width, settings.height));
     exr.metadata.emplace_back("twopass/sceneFingerprint", std::string(fingerprint));
     exr.metadata.emplace_back("twopass/ocio", pictures.color_text());
     for (const auto& [name, value] : layers.cryptomatte_metadata()) exr.metadata.emplace_back(name, value);

@@ -4,6 +4,8 @@
 
 #include "render/core/error.h"
 #include "render/load/mitsuba_emitters.h"
+#include "render/scene/centred_scene.h"
+#include "render/scene/duplicate_lamps.h"
 #include "render/scene/mesh_facts.h"
 #include "render/scene/room_view.h"
 
@@ -106,6 +108,12 @@ LoadedScene SceneOptions::load(const Console& console, Additions additions) cons
   for (const Skipped& entry : loaded.left_out) console.note("left out: " + entry.what + " (" + entry.why + ")");
   for (const std::string& note : loaded.notes) console.note(note);
   SceneDescription& scene = loaded.scene;
+  if (additions != Additions::none) {
+    if (const std::size_t duplicates = leave_out_duplicate_lamps(scene); duplicates > 0)
+      console.note(file + ": triangles of lamps that stand there twice are left out (" +
+                   std::to_string(duplicates) + " times)");
+    scene = centred(std::move(scene));
+  }
   if (!sky.empty()) scene.environment = Environment(C3f(sky[0], sky[1], sky[2]));
   if (!envmap.empty()) scene.environment = read_environment_map(envmap, {});
   const bool wants_light = additions != Additions::none && sky.empty() && envmap.empty() && !has_light(scene);
@@ -123,9 +131,10 @@ LoadedScene SceneOptions::load(const Console& console, Additions additions) cons
     scene.environment = Environment(C3f(1.0f));
   if (!camera.empty()) {
     const auto vector = [&](int i) { return V3d(camera[i], camera[i + 1], camera[i + 2]); };
-    if (!scene.camera) scene.camera.emplace();
-    scene.camera->projection = Projection::perspective;
-    scene.camera->to_world = look_at(vector(0), vector(3), vector(6), "--camera");
+    CameraDescription view = scene.camera ? scene.frame.to_world(*scene.camera) : CameraDescription{};
+    view.projection = Projection::perspective;
+    view.to_world = look_at(vector(0), vector(3), vector(6), "--camera");
+    scene.camera = scene.frame.from_world(view);
   }
   if (fov_degrees && scene.camera) {
     scene.camera->projection = Projection::perspective;

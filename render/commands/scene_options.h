@@ -15,7 +15,7 @@ namespace twopass {
 struct SceneOptions {
   std::string file;
   std::vector<std::string> definitions;  ///< name=value
-  std::vector<float> camera;             ///< origin, target, up: 9 numbers
+  std::vector<double> camera;            ///< origin, target, up: 9 numbers
   std::optional<double> fov_degrees;
   std::vector<float> sky;  ///< R, G, B
   std::string envmap;      ///< file
@@ -29,7 +29,8 @@ struct SceneOptions {
   void add_to(CLI::App& command);
   void add_sky_to(CLI::App& command);
   void add_view_to(CLI::App& command);
-  /// Loads the scene, applies the options, and says on the console what was noticed. Throws Error.
+  /// Loads the scene, applies the options, and says on the console what was noticed. What is to be seen, that is
+  /// with additions, is `centred`; else coordinates are those of the file. Throws Error.
   [[nodiscard]] LoadedScene load(const Console& console, Additions additions) const;
 };
 

@@ -242,12 +242,15 @@ class Reporter {
     }
     const V3d size = V3d(bounds_.max) - V3d(bounds_.min);
     const double largest = std::max({size.x, size.y, size.z});
-    const double farthest = std::max(static_cast<double>(max_abs_component(bounds_.min)),
-                                     static_cast<double>(max_abs_component(bounds_.max)));
+    const V3d lowest = scene_.frame.to_world(V3d(bounds_.min)),
+              highest = scene_.frame.to_world(V3d(bounds_.max));
+    double farthest = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+      farthest = std::max({farthest, std::abs(lowest[axis]), std::abs(highest[axis])});
     if (farthest > 1e4 * largest)
       problem("it lies " + text_of(farthest) + " units from the origin and is " + text_of(largest) +
-              " units large: positions have few digits left; move it to the origin");
-    return {{"min", json_of(V3d(bounds_.min))}, {"max", json_of(V3d(bounds_.max))}, {"extent", json_of(size)}};
+              " units large: what files hold as floats has few digits left; move it to the origin");
+    return {{"min", json_of(lowest)}, {"max", json_of(highest)}, {"extent", json_of(size)}};
   }
 
   ordered_json read_camera() {
@@ -267,7 +270,7 @@ class Reporter {
         {"kind", orthographic                   ? "orthographic"
                  : camera.aperture_radius > 0.0 ? "thinlens"
                                                 : "perspective"},
-        {"position", json_of(origin)},
+        {"position", json_of(scene_.frame.to_world(origin))},
         {"direction", json_of(forward)},
         {"inside_bounds", inside},
         {"sees_bounds", sees},

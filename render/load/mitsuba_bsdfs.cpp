@@ -31,7 +31,11 @@ float read_ior(Properties& p, std::string_view name, std::string_view otherwise)
 }
 
 float read_relative_ior(Properties& p, std::string_view inside) {
-  return read_ior(p, "int_ior", inside) / read_ior(p, "ext_ior", "air");
+  const float relative = read_ior(p, "int_ior", inside) / read_ior(p, "ext_ior", "air");
+  if (!(relative >= smallest_ior && relative <= largest_ior))
+    throw Error(p.where("int_ior"), "an index of refraction that no substance has",
+                "give one between 0.001 and 1000");
+  return relative;
 }
 
 /// Models without parameters of their own kind.

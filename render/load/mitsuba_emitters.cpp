@@ -70,7 +70,8 @@ Emitter read_point(Properties& p, const Context& context) {
   PointLight light;
   light.intensity = color_or(p, "intensity", C3f(1.0f));
   light.frame = light_frame(invertible_transform(p));
-  light.position = p.has("position") ? V3f(p.point("position", V3d(0.0))) : light.frame.position;
+  light.position =
+      p.has("position") ? V3f(p.point("position", V3d(0.0)) - context.tree.origin) : light.frame.position;
   if (p.has("ies_file"))
     light.profile = std::make_shared<const IesProfile>(read_ies(file_of(p, context.tree, "ies_file")));
   return light;
@@ -195,6 +196,7 @@ constexpr Named<Reader> readers[] = {
 Emitter read_mitsuba_emitter(const XmlNode& node, const MitsubaTree& tree, MitsubaTextures& textures) {
   const Reader reader = plugin_of_type<Reader>(readers, node);
   Properties p(node, tree);
+  p.stand_in_world();
   Emitter emitter = reader(p, {tree, textures});
   p.ignore({"sampling_weight", "light_group"});  // how often a light is chosen does not change what it does
   p.finish();

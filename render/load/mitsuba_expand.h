@@ -4,11 +4,13 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "render/load/load.h"
 #include "render/load/mitsuba_document.h"
+#include "render/load/notes.h"
 #include "render/load/unsupported.h"
 
 namespace twopass {
@@ -18,6 +20,10 @@ struct MitsubaTree {
   double version = 3.0;                           ///< of the main file, major.minor
   std::vector<std::filesystem::path> folders;     ///< the main file's and those of <path>
   std::map<std::string, const XmlNode*> objects;  ///< by id or alias; they point into root
+  /// What was put right in values while objects were read; for one thread at a time.
+  std::unique_ptr<Notes> repairs = std::make_unique<Notes>();
+  /// What is read of the scene is to lie about this point: it is taken off all that stands in the world.
+  V3d origin{0.0, 0.0, 0.0};
 
   MitsubaTree() = default;
   MitsubaTree(MitsubaTree&&) = default;  // moving keeps the addresses of root's descendants; copying would not

@@ -25,6 +25,7 @@ std::vector<const XmlNode*> shapes_of_group(const XmlNode& group, const MitsubaT
 
 MitsubaInstance read_mitsuba_instance(const XmlNode& instance, const MitsubaTree& tree) {
   Properties p(instance, tree);
+  p.stand_in_world();
   const std::vector<const XmlNode*> groups = p.objects("shape");
   if (groups.size() != 1 || groups.front()->get("type") != "shapegroup")
     throw Error(p.where(), "an instance refers to one shapegroup",

@@ -21,7 +21,7 @@ C3f color_of_spectrum_object(const XmlNode& object, const MitsubaTree& tree, Col
   // A plain colour, no object: objects could refer to each other in a circle.
   const auto plain_color = [&] {
     const XmlNode* node = properties.element("color", {"rgb", "srgb", "float"});
-    return node ? parse_color(*node, use) : C3f(1.0f);
+    return node ? parse_color(*node, use, *tree.repairs) : C3f(1.0f);
   };
   if (type == "d65") {
     // D65 is the white of the working space, so its shape is (1, 1, 1).
@@ -37,10 +37,7 @@ C3f color_of_spectrum_object(const XmlNode& object, const MitsubaTree& tree, Col
     unsupported_plugin(object, supported);
   }
   properties.finish();
-  if (!(std::min({color.x, color.y, color.z}) >= 0.0f) ||
-      !(max_component(color) <= (use == ColorUse::reflectance ? 1.0f : 1e30f)))
-    throw Error(object.where(), "a colour out of range", "correct it");
-  return color;
+  return in_range(C3d(color), object, use, *tree.repairs);
 }
 
 }  // namespace
@@ -134,7 +131,10 @@ V3d Properties::point(std::string_view name, const V3d& otherwise) {
 
 M44d Properties::transform(std::string_view name) {
   const XmlNode* node = element(name, {"transform"});
-  return node ? parse_transform(*node) : M44d();
+  M44d matrix = node ? parse_transform(*node) : M44d();
+  if (stands_in_world_ && name == "to_world")
+    for (int axis = 0; axis < 3; ++axis) matrix[3][axis] -= tree_.origin[axis];
+  return matrix;
 }
 
 std::optional<C3f> Properties::color(std::string_view name, ColorUse use) {
@@ -144,7 +144,7 @@ std::optional<C3f> Properties::color(std::string_view name, ColorUse use) {
     throw Unsupported({object_.tag, type(), std::string(name)}, where(name),
                       "texture '" + node->get("type") + "' is not supported", "give a colour: <rgb>");
   if (node->tag == "spectrum" && is_object(*node)) return color_of_spectrum_object(*node, tree_, use);
-  return parse_color(*node, use);
+  return parse_color(*node, use, *tree_.repairs);
 }
 
 void Properties::ignore(std::initializer_list<std::string_view> names) {

@@ -38,6 +38,9 @@ class Properties {
   bool boolean(std::string_view name, bool otherwise);
   V3d point(std::string_view name, const V3d& otherwise);
   M44d transform(std::string_view name);  ///< identity when not given
+  /// Of an object that stands in the scene, not in a group: its to_world leads to coordinates about the tree's
+  /// origin from now on.
+  void stand_in_world() { stands_in_world_ = true; }
   std::optional<C3f> color(std::string_view name, ColorUse use);
   /// The element behind a property of one of several types (tags); nullptr when not given.
   const XmlNode* element(std::string_view name, std::initializer_list<std::string_view> tags);
@@ -68,6 +71,7 @@ class Properties {
   const XmlNode& object_;
   const MitsubaTree& tree_;
   std::vector<Entry> entries_;
+  bool stands_in_world_ = false;
   std::vector<std::string> asked_, asked_tags_;
 };
 

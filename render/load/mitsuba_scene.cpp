@@ -29,6 +29,7 @@ class SceneReader {
     for (const XmlNode& node : tree_.root.children)
       if (node.tag != "shape") read(node);
     read_shapes();
+    notes_.add(*tree_.repairs);
     texture_files_.report(notes_);
     loaded_.tiled_textures = texture_files_.tiled();
     loaded_.notes = notes_.lines();
@@ -171,6 +172,17 @@ class SceneReader {
   std::vector<MitsubaInstance> instances_;  // in the order of the file
 };
 
+// Transforms are double; floats, which positions become, have few digits left for what lies far from where they
+// are counted from. A point to count from that is nearer where the scene is a thousand times as far from 0 as it
+// is large, else 0. A float, so that what a file holds as floats loses nothing.
+V3d better_origin(const Box3f& bounds) {
+  constexpr double far = 1000.0;
+  if (bounds.isEmpty()) return V3d(0.0);
+  const V3f middle((bounds.min + bounds.max) * 0.5f), size = bounds.size();
+  const double extent = std::max({size.x, size.y, size.z});
+  return static_cast<double>(max_abs_component(middle)) > far * extent ? V3d(middle) : V3d(0.0);
+}
+
 }  // namespace
 
 LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definitions& definitions,
@@ -181,9 +193,15 @@ LoadedScene load_mitsuba_scene(const std::filesystem::path& path, const Definiti
   for (;;) {
     try {
       left_out.restart();
-      const MitsubaTree tree = read_mitsuba(path, definitions, &left_out);
+      MitsubaTree tree = read_mitsuba(path, definitions, &left_out);
       check_references(tree);
       LoadedScene loaded = SceneReader(tree, textures).run();
+      tree.origin = better_origin(bounds_of(loaded.scene.shapes));
+      if (tree.origin != V3d(0.0)) {
+        *tree.repairs = {};
+        loaded = SceneReader(tree, textures).run();
+        loaded.scene.frame.origin = tree.origin;
+      }
       loaded.left_out = left_out.list();
       return loaded;
     } catch (const Unsupported& error) {

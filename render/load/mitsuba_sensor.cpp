@@ -225,6 +225,7 @@ CameraDescription read_mitsuba_sensor(const XmlNode& node, const MitsubaTree& tr
                                       Notes& notes) {
   require_one_of(std::array<std::string_view, 3>{"perspective", "thinlens", "orthographic"}, node);
   Properties p(node, tree);
+  p.stand_in_world();
   CameraDescription camera;
   camera.to_world = p.transform("to_world");
   read_clipping(p, camera);

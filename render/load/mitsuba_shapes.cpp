@@ -232,15 +232,20 @@ void read_area_emitter(Shape& shape, const XmlNode& shape_node, const XmlNode& n
 /// One shape: what is cheap and touches the whole scene first, its geometry later, on any thread.
 class ShapeReader {
  public:
-  ShapeReader(const XmlNode& node, const std::string& name, const MitsubaTree& tree,
-              MitsubaMaterials& materials, MitsubaTextures& textures)
-      : node_(node), tree_(tree), reader_(plugin_of_type<Reader>(readers, node)), properties_(node, tree) {
+  ShapeReader(const NamedShape& element, const MitsubaTree& tree, MitsubaMaterials& materials,
+              MitsubaTextures& textures)
+      : node_(*element.node),
+        tree_(tree),
+        reader_(plugin_of_type<Reader>(readers, node_)),
+        properties_(node_, tree) {
+    const XmlNode& node = node_;
+    if (!element.is_member) properties_.stand_in_world();
     if (!reader_)
       throw Error(node.where(), "a '" + node.get("type") + "' inside of another shape",
                   "instances are not nested: put it beside the others");
     const XmlNode* emitter = properties_.object_of("emitter");
     const XmlNode* bsdf = properties_.object_of("bsdf");
-    shape.name = properties_.id_or(name);
+    shape.name = properties_.id_or(element.name);
     shape.material = bsdf ? materials.of(*bsdf) : materials.standard(emitter != nullptr);
     if (emitter) read_area_emitter(shape, node, *emitter, tree, textures);
     properties_.ignore({"silhouette_sampling_weight"});
@@ -303,7 +308,7 @@ std::vector<Shape> read_mitsuba_shapes(const NamedShapes& elements, const Mitsub
   shapes.reserve(elements.size());
   std::vector<bool> can_be_instance;
   for (const NamedShape& element : elements) {
-    shapes.emplace_back(*element.node, element.name, tree, materials, textures);
+    shapes.emplace_back(element, tree, materials, textures);
     const Shape& shape = shapes.back().shape;
     can_be_instance.push_back(!element.is_member && !is_emitter(shape) && !shape.radiance_texture);
   }

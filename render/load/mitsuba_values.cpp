@@ -147,7 +147,26 @@ long long parse_integer_value(const XmlNode& node) {
   return *value;
 }
 
-C3f parse_color(const XmlNode& node, ColorUse use) {
+C3f in_range(const C3d& color, const XmlNode& node, ColorUse use, Notes& notes) {
+  C3f result;
+  bool is_reduced = false;
+  for (int i = 0; i < 3; ++i) {
+    if (!(color[i] >= 0.0 && color[i] <= 1e30))
+      throw Error(node.where(),
+                  use == ColorUse::reflectance ? "a negative or huge reflectance" : "a negative or huge colour",
+                  "correct it");
+    // Surfaces cannot reflect more than they receive.
+    is_reduced = is_reduced || (use == ColorUse::reflectance && color[i] > 1.0);
+    result[i] = static_cast<float>(use == ColorUse::reflectance ? std::min(color[i], 1.0) : color[i]);
+  }
+  if (is_reduced) {
+    const std::string* name = node.find("name");
+    notes.add(node.file->string() + ": " + (name ? in_quotes(*name) : "a reflectance") + " above 1 reduced to 1");
+  }
+  return result;
+}
+
+C3f parse_color(const XmlNode& node, ColorUse use, Notes& notes) {
   C3d color(0.0);
   if (node.tag == "rgb") {
     color = parse_rgb(node);
@@ -162,14 +181,7 @@ C3f parse_color(const XmlNode& node, ColorUse use) {
   } else {
     throw Error(node.where(), "<" + node.tag + "> is not a colour", "use <rgb>, <spectrum> or <float>");
   }
-  const bool in_range = std::ranges::all_of(
-      std::initializer_list<double>{color.x, color.y, color.z},
-      [&](double c) { return c >= 0.0 && c <= (use == ColorUse::reflectance ? 1.0 : 1e30); });
-  if (!in_range)
-    throw Error(node.where(),
-                use == ColorUse::reflectance ? "a reflectance outside [0, 1]" : "a negative or huge colour",
-                use == ColorUse::reflectance ? "surfaces cannot reflect more than they receive" : "correct it");
-  return C3f(static_cast<float>(color.x), static_cast<float>(color.y), static_cast<float>(color.z));
+  return in_range(color, node, use, notes);
 }
 
 }  // namespace twopass

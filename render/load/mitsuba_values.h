@@ -7,6 +7,7 @@
 
 #include "render/core/types.h"
 #include "render/load/mitsuba_document.h"
+#include "render/load/notes.h"
 
 namespace twopass {
 
@@ -27,13 +28,15 @@ long long parse_integer_value(const XmlNode& node);
 
 /// What a colour is for: it decides how spectra become three channels, and the range.
 enum class ColorUse {
-  reflectance,  ///< in [0, 1]
+  reflectance,  ///< in [0, 1]; more is reduced to 1, and noted
   emission,     ///< 0 or more
   index,        ///< a conductor's eta or k: 0 or more; spectra are averaged like reflectances
 };
 
 /// <rgb>, <srgb>, <spectrum> or <float> as linear Rec.709, as Mitsuba's scalar_rgb does it. Old "#rrggbb" is
 /// accepted; spectra that leave the gamut are clamped to what the use allows.
-C3f parse_color(const XmlNode& node, ColorUse use);
+C3f parse_color(const XmlNode& node, ColorUse use, Notes& notes);
+/// Of an object that is one colour, likewise.
+C3f in_range(const C3d& color, const XmlNode& node, ColorUse use, Notes& notes);
 
 }  // namespace twopass

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "materials/ior.h"
 #include "materials/microfacet.h"
 #include "render/core/error.h"
 #include "render/core/parallel.h"
@@ -188,6 +189,12 @@ class Converter {
                           .side());
   }
 
+  float possible_ior(float ior) {
+    const float possible = std::clamp(ior, smallest_ior, largest_ior);
+    if (possible != ior) note("index of refraction reduced to what a substance could have");
+    return possible;
+  }
+
   Material mirror() {
     if (!is_black(kd_)) note("mirror rendered without its Kd");
     Conductor mirror;
@@ -204,6 +211,7 @@ class Converter {
       note("index of refraction 0 replaced by 1");
       outside.eta = 1.0f;
     }
+    outside.eta = possible_ior(outside.eta);
     if (!is_black(ks_)) outside.specular_reflectance = ks_;
     const float opacity = m_.d.value_or(1.0f);
     const C3f filter = limited(m_.tf.value_or(C3f(opacity < 1.0f ? 1.0f - opacity : 1.0f)));
@@ -226,7 +234,7 @@ class Converter {
     model.clearcoat_gloss = 1.0f - unit_range(m_.pcr.value_or(0.0f));
     model.anisotropic = unit_range(m_.aniso.value_or(0.0f));
     // Most exporters write an index of 1 where they have none.
-    if (m_.ni.value_or(1.0f) > 1.0f) model.eta = *m_.ni;
+    if (m_.ni.value_or(1.0f) > 1.0f) model.eta = possible_ior(*m_.ni);
     if (is_glass_) model.spec_trans = m_.d.value_or(1.0f) < 1.0f ? 1.0f - *m_.d : 1.0f;
     const MaterialSide side = Textured(model)
                                   .bind("base_color", texture(m_.map_kd, kd_, Meaning::color))

@@ -11,6 +11,7 @@
 #include "render/scene/punctual_light.h"
 #include "render/scene/ray_caster.h"
 #include "render/scene/shape.h"
+#include "render/scene/world_frame.h"
 
 namespace twopass {
 
@@ -26,6 +27,7 @@ struct SceneDescription {
   /// Light groups of punctual lights, in their order; "" and missing ones are "default".
   std::vector<std::string> punctual_light_groups{};
   std::string environment_light_group = "environment";
+  WorldFrame frame{};  ///< where all of this stands in the file's coordinates
 };
 
 /// Puts all colours of a scene, which are linear Rec.709, into other primaries: of materials, lights and

@@ -28,6 +28,56 @@ TEST_F(MitsubaScene, ConstantEmittersAreTheEnvironment) {
                {"scene.xml:3: a second environment, the first is 'constant' at", "scene.xml:2"});
 }
 
+// Where a scene lies far away, floats have no digits for it: it is read about a point of its own. Nothing is
+// lost of what transforms in the file say, and all of it stays where it was.
+TEST_F(MitsubaScene, FarFromTheOriginLosesNothing) {
+  const auto scene_at = [&](const std::string& offset) {
+    const std::string moved = "<translate value='" + offset + "'/></transform>";
+    return read(
+               "<sensor type='perspective'><transform name='to_world'><lookat origin='.1,-.3,.2' "
+               "target='.4,1,.3' up='0,0,1'/>" +
+               moved + "</sensor><emitter type='spot'><transform name='to_world'><translate x='.3'/>" + moved +
+               "</emitter><shape type='cube'><transform name='to_world'><scale value='.37'/><rotate z='1' "
+               "angle='33'/>" +
+               moved +
+               "</shape><shape type='sphere'><float name='radius' value='.1'/><transform name='to_world'>" +
+               "<translate y='.7'/>" + moved +
+               "</shape><shape type='cylinder'><float name='radius' value='.1'/>" +
+               "<transform name='to_world'>" + moved +
+               "</shape><shape type='shapegroup' id='g'><shape type='cube'>" +
+               "<transform name='to_world'><scale value='.1'/><translate x='.2'/></transform></shape></shape>" +
+               "<shape type='instance'><ref id='g'/><transform name='to_world'>" + moved + "</shape>")
+        .scene;
+  };
+  const V3d offset(1234567.0, -3456789.0, 4e6);
+  const SceneDescription near = scene_at("0,0,0"), far = scene_at("1234567,-3456789,4e6");
+  EXPECT_EQ(near.frame.origin, V3d(0.0));
+  EXPECT_NE(far.frame.origin, V3d(0.0));
+  ASSERT_EQ(near.shapes.size(), far.shapes.size());
+  const auto expect_same_place = [&](const V3f& a, const V3f& b) {
+    EXPECT_NEAR((far.frame.to_world(V3d(b)) - offset - V3d(a)).length(), 0.0, 1e-6);
+  };
+  const auto& cube = std::get<Mesh>(near.shapes[0].geometry).positions;
+  for (std::size_t i = 0; i < cube.size(); ++i)
+    expect_same_place(cube[i], std::get<Mesh>(far.shapes[0].geometry).positions[i]);
+  expect_same_place(std::get<Sphere>(near.shapes[1].geometry).center,
+                    std::get<Sphere>(far.shapes[1].geometry).center);
+  expect_same_place(std::get<Cylinder>(near.shapes[2].geometry).base,
+                    std::get<Cylinder>(far.shapes[2].geometry).base);
+  const auto corner_of = [](const SceneDescription& scene) {
+    const Shape& copy = scene.shapes[3];
+    if (const auto* instance = std::get_if<MeshInstance>(&copy.geometry))
+      return instance->to_world.point(instance->mesh->positions[0]);
+    return std::get<Mesh>(copy.geometry).positions[0];
+  };
+  expect_same_place(corner_of(near), corner_of(far));
+  expect_same_place(std::get<SpotLight>(near.punctual_lights[0]).frame.position,
+                    std::get<SpotLight>(far.punctual_lights[0]).frame.position);
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(near.camera->to_world[3][axis] + offset[axis],
+                far.camera->to_world[3][axis] + far.frame.origin[axis], 1e-6);
+}
+
 TEST_F(MitsubaScene, AreaLightsBelongToShapes) {
   expect_error([&] { read("<emitter type='area'/>"); }, {"emitter 'area' outside of a shape"});
 }

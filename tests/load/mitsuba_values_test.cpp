@@ -9,8 +9,9 @@ class MitsubaValues : public LoadTest {
  protected:
   XmlNode node(const std::string& text) const { return read_xml(write("v.xml", text)); }
   C3f color(const std::string& text, ColorUse use = ColorUse::reflectance) const {
-    return parse_color(node(text), use);
+    return parse_color(node(text), use, notes_);
   }
+  mutable Notes notes_;
 };
 
 TEST_F(MitsubaValues, VectorsInBothNotations) {
@@ -82,7 +83,13 @@ TEST_F(MitsubaValues, SpectraOfSamples) {
 }
 
 TEST_F(MitsubaValues, ColoursHaveRanges) {
-  expect_error([&] { color("<rgb name='c' value='1.1 0 0'/>"); }, {"a reflectance outside [0, 1]"});
+  EXPECT_TRUE(notes_.lines().empty());
+  EXPECT_EQ(color("<rgb name='c' value='1.1 0 1'/>"), C3f(1, 0, 1));
+  EXPECT_EQ(color("<float name='c' value='1e30'/>"), C3f(1.0f));
+  ASSERT_EQ(notes_.lines().size(), 1u);
+  EXPECT_NE(notes_.lines()[0].find("v.xml: 'c' above 1 reduced to 1 (2 times)"), std::string::npos)
+      << notes_.lines()[0];
+  expect_error([&] { color("<rgb name='c' value='-0.1 0 0'/>"); }, {"a negative or huge reflectance"});
   expect_error([&] { color("<rgb name='c' value='-0.1 0 0'/>", ColorUse::emission); },
                {"a negative or huge colour"});
   EXPECT_EQ(color("<rgb name='c' value='17'/>", ColorUse::emission), C3f(17.0f));

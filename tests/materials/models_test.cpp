@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "materials/energy.h"
+#include "materials/ior.h"
 #include "materials/material.h"
 #include "render/core/sampler.h"
 #include "tests/materials/cases.h"
@@ -180,7 +181,7 @@ TEST(Null, LetsEverythingThrough) {
 }
 
 TEST(Fresnel, DiffuseReflectanceIsTheMeanOverTheCosine) {
-  for (const float eta : {1.0f / 1.8f, 1.0f / 1.5f, 1.0f / 1.1f, 1.1f, 1.5f, 2.5f}) {
+  for (const float eta : {0.1f, 1.0f / 3.0f, 1.0f / 1.8f, 1.0f / 1.5f, 1.0f / 1.1f, 1.1f, 1.5f, 2.5f}) {
     double mean = 0.0;
     constexpr int n = 20000;
     float cos_t;
@@ -206,6 +207,27 @@ TEST(Plastic, WhiteFurnace) {
         const Means means = means_of(Plastic{eta, C3f(1.0f), C3f(1.0f), nonlinear}, direction(c, 0.0f));
         EXPECT_NEAR(means.all.x, 1.0, 6e-3) << eta << " " << c;  // 0.6 %: the fit of the internal reflectance
       }
+}
+
+// At the ends of the range, too, plastic reflects no less than nothing and no more than all.
+TEST(Plastic, OfAnyIndexReflectsAShare) {
+  for (const float eta : {smallest_ior, 0.1f, 0.4f, 2.1f, 10.0f, largest_ior})
+    for (const bool nonlinear : {false, true}) {
+      const C3f white(1.0f);
+      RoughPlastic rough;
+      rough.eta = eta;
+      rough.base_reflectance = white;
+      rough.nonlinear = nonlinear;
+      rough.prepare();
+      const V3f wo = direction(0.6f, 0.0f);
+      for (const double albedo :
+           {means_of(Plastic{eta, white, white, nonlinear}, wo).all.x, means_of(rough, wo).all.x,
+            static_cast<double>(rough.diffuse_reflectance().x),
+            static_cast<double>(Plastic{eta, white, white, nonlinear}.diffuse_reflectance().x)}) {
+        EXPECT_GE(albedo, 0.0) << eta;
+        EXPECT_LE(albedo, 1.03) << eta;
+      }
+    }
 }
 
 TEST(Plastic, NonlinearBouncesDarken) {

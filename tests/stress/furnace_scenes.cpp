@@ -73,11 +73,11 @@ Shape& add_lossless(SceneDescription& scene, const std::string& name, Geometry g
   return shape;
 }
 
-SceneDescription furnished_furnace() {
+SceneDescription furnished_furnace(float above_floor) {
   SceneDescription scene = room_without_floor(C3f(0.5f, 0.6f, 0.4f));
   add_furnace(scene, "floor", test::quad(V3f(0.0f), x, y), C3f(0.7f));
-  add_furnace(scene, "low", boxed(V3f(0.1f, 0.6f, 0.0f), V3f(0.4f, 0.9f, 0.3f)), C3f(0.2f));
-  add_furnace(scene, "tall", boxed(V3f(0.6f, 0.65f, 0.0f), V3f(0.8f, 0.85f, 0.7f)), C3f(0.8f));
+  add_furnace(scene, "low", boxed(V3f(0.1f, 0.6f, above_floor), V3f(0.4f, 0.9f, 0.3f)), C3f(0.2f));
+  add_furnace(scene, "tall", boxed(V3f(0.6f, 0.65f, above_floor), V3f(0.8f, 0.85f, 0.7f)), C3f(0.8f));
   add_furnace(scene, "ball", Sphere{V3f(0.25f, 0.75f, 0.5f), 0.15f, false}, C3f(0.6f));
   return scene;
 }
@@ -259,7 +259,9 @@ std::vector<FurnaceScene> misplaced_cameras() {
 std::vector<FurnaceScene> extreme_materials() {
   std::vector<FurnaceScene> all;
   const auto add = [&](const std::string& name, const Material& material) {
-    SceneDescription scene = furnished_furnace();
+    // Inside of glass of index n a furnace has the radiance n^2: a floor that glass stands on, which looks into
+    // it where the two coincide, would have to emit that.
+    SceneDescription scene = furnished_furnace(0.01f);
     for (const std::size_t i : {6u, 7u, 8u}) {  // low and tall box, ball: the floor is the sixth of the walls
       scene.materials[scene.shapes[i].material] = material;
       scene.shapes[i].radiance = {C3f(0.0f), C3f(0.0f)};
@@ -281,11 +283,21 @@ std::vector<FurnaceScene> extreme_materials() {
     glass.alpha_u = glass.alpha_v = alpha;
     add(std::string("glass_of_roughness_") + name, material_of("glass", MaterialSide(glass)));
   }
-  // Nothing but glass, and nothing but white walls around one lamp.
+  // Nothing but glass, walls too, which are panes in air; and nothing but white walls around one lamp.
   SceneDescription glass;
   glass.environment = Environment(C3f(furnace_radiance));
-  for (const Shape& shape : furnished_furnace().shapes)
-    add_lossless(glass, shape.name, shape.geometry, interface_material("glass", Dielectric{}));
+  std::vector<Geometry> panes;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool is_low : {true, false}) {
+      V3f lo(0.0f), hi(1.0f);
+      lo[axis] = is_low ? -0.03f : 1.01f;
+      hi[axis] = lo[axis] + 0.02f;
+      panes.emplace_back(boxed(lo, hi));
+    }
+  const SceneDescription furniture = furnished_furnace(0.01f);
+  for (const std::size_t i : {6u, 7u, 8u}) panes.push_back(furniture.shapes[i].geometry);
+  for (const Geometry& geometry : panes)
+    add_lossless(glass, "pane", geometry, interface_material("glass", Dielectric{}));
   all.push_back({"everything_glass", glass});
   SceneDescription bright;
   bright.environment = Environment(C3f(furnace_radiance));

@@ -35,29 +35,15 @@ class Geometry : public testing::TestWithParam<FurnaceScene> {};
 TEST_P(Geometry, IsAsBrightByEveryWay) { expect_furnace(GetParam().scene, all_ways()); }
 
 class View : public testing::TestWithParam<FurnaceScene> {};
-TEST_P(View, IsAsBrightByEveryIntegrator) {
-  if (GetParam().name == "index_1_5" || GetParam().name == "everything_glass")
-    GTEST_SKIP() << "README, what remains";
-  expect_furnace(GetParam().scene, all_integrators());
-}
+TEST_P(View, IsAsBrightByEveryIntegrator) { expect_furnace(GetParam().scene, all_integrators()); }
 
 std::string scene_name(const testing::TestParamInfo<FurnaceScene>& info) { return info.param.name; }
 INSTANTIATE_TEST_SUITE_P(Broken, Geometry, testing::ValuesIn(broken_geometry()), scene_name);
 INSTANTIATE_TEST_SUITE_P(Extreme, View, testing::ValuesIn(extreme_materials()), scene_name);
 INSTANTIATE_TEST_SUITE_P(Misplaced, View, testing::ValuesIn(misplaced_cameras()), scene_name);
 
-// Equal faces in the same place: rays meet one of them, next-event estimation finds both. What they emit counts
-// up to twice.
-TEST(Duplicates, LampsInOnePlaceAddUp) {
-  const FurnaceScene duplicates = duplicate_faces();
-  for (const Way& way : all_ways()) {
-    SCOPED_TRACE(name_of(way));
-    const Picture picture = render(duplicates.scene, way);
-    ASSERT_EQ(fault_of(picture), "");
-    EXPECT_GT(picture.mean, way.integrator == IntegratorKind::direct ? 0.5 : 0.9);
-    EXPECT_LT(picture.mean, 1.4);
-  }
-}
+// Equal lamps in the same place: rays meet one of them, next-event estimation would find all. One is left.
+TEST(Duplicates, LampsInOnePlaceCountOnce) { expect_furnace(duplicate_faces().scene, all_ways()); }
 
 // ---------------------------------------------------------------------------------------------------------
 // Large, small, and far from the origin: rounded to floats, the geometry is broken anew each time, and still
@@ -76,7 +62,7 @@ TEST_P(Offset, DoesNotMatter) {
   expect_furnace(transformed(furnished_furnace(), 1.0f, offset), all_ways());
   expect_furnace(transformed(triangle_soup(), 1.0f, offset), all_integrators());
 }
-INSTANTIATE_TEST_SUITE_P(Stress, Offset, testing::Values(1e2f, 1e4f));
+INSTANTIATE_TEST_SUITE_P(Stress, Offset, testing::Values(1e2f, 1e4f, 1e6f));
 
 // ---------------------------------------------------------------------------------------------------------
 // Depth: in a closed furnace of one albedo a, what has at most n edges is 1 - a^n of all.
@@ -84,8 +70,6 @@ INSTANTIATE_TEST_SUITE_P(Stress, Offset, testing::Values(1e2f, 1e4f));
 TEST(Depth, IsAGeometricSeries) {
   for (const float albedo : {0.5f, 0.999f})
     for (const int depth : {1, 2, 3, 10, 100, 10000}) {
-      // What a room that absorbs a thousandth has after thousands of edges, roulette does not let paths find.
-      if (depth > 100 && albedo > 0.9f) continue;
       SceneDescription scene = test::furnace_room(C3f(albedo), 1.0f);
       PictureOptions options;
       options.limits.max_depth = depth;

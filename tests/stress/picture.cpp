@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "render/pass_one.h"
+#include "render/scene/centred_scene.h"
+#include "render/scene/duplicate_lamps.h"
 #include "render/stopwatch.h"
 
 namespace twopass::stress {
@@ -71,8 +73,11 @@ Picture render(const SceneDescription& description, const Way& way, const Pictur
   const Stopwatch stopwatch;
   Picture picture;
   const Plan plan = plan_render(needs_of(description), way.integrator, options.limits);
-  const Scene scene(description);
-  const Camera camera(camera_of(description), options.width, options.height);
+  SceneDescription local = description;
+  local.camera = camera_of(description);
+  leave_out_duplicate_lamps(local);
+  const Scene scene(centred(std::move(local)));
+  const Camera camera(*scene.description().camera, options.width, options.height);
   RadiosityOptions radiosity;
   radiosity.solver = way.solver;
   radiosity.form_factors = way.form_factors;
