@@ -1,5 +1,6 @@
 #include "radiosity/scene_fingerprint.h"
 
+#include <bit>
 #include <unordered_map>
 
 #include "render/scene/texture_hash.h"

@@ -8,6 +8,7 @@
 #include "render/commands/scene_options.h"
 #include "render/commands/scene_report.h"
 #include "render/core/parallel.h"
+#include "render/scene/centred_scene.h"
 #include "render/view_probe.h"
 
 namespace twopass {
@@ -88,8 +89,8 @@ void add_view(ordered_json& report, LoadedScene loaded) {
   const auto integrator = value_of_name<IntegratorKind>(
       integrator_names, report["integrator"].get<std::string>(), "integrator", "integrator");
   const FileSettings& file = loaded.settings;
-  const Camera camera(*loaded.scene.camera, file.width, file.height);
-  const Scene scene(std::move(loaded.scene));
+  const Scene scene(centred(std::move(loaded.scene)));
+  const Camera camera(*scene.description().camera, file.width, file.height);
   fit_to_view(plan, integrator, scene, camera, {{0, 0}, {file.width, file.height}},
               {file.max_depth, file.rr_depth, file.hide_emitters}, file.seed.value_or(0));
   report["needs"]["radiosity_pass"] = plan.radiosity_pass;

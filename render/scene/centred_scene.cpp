@@ -1,6 +1,12 @@
 #include "render/scene/centred_scene.h"
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <type_traits>
 #include <unordered_map>
+#include <variant>
+#include <vector>
 
 namespace twopass {
 

@@ -1,8 +1,10 @@
 #include "render/scene/duplicate_lamps.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
+#include <tuple>
 #include <unordered_map>
+#include <vector>
 
 #include "render/scene/data_hash.h"
 

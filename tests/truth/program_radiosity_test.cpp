@@ -25,14 +25,14 @@ class ProgramRadiosity : public test::ProgramTruth {
                     const std::string& way, double bias) const {
     for (const Face& face : faces) {
       write_scene(scene, "", flat_camera(face.centre, face.normal, face.up, 1.0 / 16, 16));
-      record(what + ", mean B of " + face.name + ": " + way, face.truth, mean(way, 16, 256) * M_PI,
+      record(what + ", mean B of " + face.name + ": " + way, face.truth, mean(way, 16, 64) * M_PI,
              bias * face.truth);
     }
   }
   void expect_faces(const std::string& what, const std::vector<Surface>& scene,
                     const std::vector<Face>& faces) const {
     for (const std::string way : {"path", "unbiased"}) expect_faces(what, scene, faces, way, 0.0);
-    for (const std::string way : {"twopass --elements 600", "radiosity --elements 600"})
+    for (const std::string way : {"twopass --elements 400", "radiosity --elements 400"})
       expect_faces(what, scene, faces, way, 0.005);
   }
   // Of a solution, which is found once for all faces.
@@ -56,10 +56,10 @@ TEST_F(ProgramRadiosity, CubeByEveryWay) {
   expect_faces("cube, rho = .5", cube(0.5, 0.5), faces);
   for (const char* solver : {"lu", "jacobi", "gauss-seidel", "progressive", "cg", "hierarchical", "stochastic"})
     expect_solution("cube, rho = .5", cube(0.5, 0.5), faces,
-                    "--elements 600 --radiosity-error 0.002 --solver " + std::string(solver), 0.005);
+                    "--elements 400 --radiosity-error 0.002 --solver " + std::string(solver), 0.005);
   for (const char* method : {"exact", "point", "hemicube", "rays"})
     expect_solution("cube, rho = .5", cube(0.5, 0.5), faces,
-                    "--elements 600 --form-factors " + std::string(method), 0.005);
+                    "--elements 400 --form-factors " + std::string(method), 0.005);
 }
 
 TEST_F(ProgramRadiosity, CubesOfOtherReflectances) {
@@ -80,7 +80,7 @@ TEST_F(ProgramRadiosity, IrradianceInTheMiddleOfTheCubesFaces) {
       const double emitted = face.normal.z < 0 ? 1.0 : 0.0;
       for (const std::string way : {"path", "unbiased", "twopass"})
         record("cube, rho = " + number(rho) + ", H in the middle of the " + face.name + ": " + way, face.truth,
-               (mean(way, 1, 65536) * M_PI - emitted) * (1.0 / rho),
+               (mean(way, 1, 16384) * M_PI - emitted) * (1.0 / rho),
                way == "twopass" ? 0.01 * face.truth : 0.0);
     }
 }
@@ -102,7 +102,7 @@ TEST_F(ProgramRadiosity, PlaneMirrorDoublesTheRoom) {
   write_scene(room, "", flat_camera({.5, .5, 0}, z, y, 0.01, 1));
   for (const std::string way : {"path", "unbiased", "twopass"})
     record("cube with a mirror, H in the middle of the floor: " + way, .50656,
-           mean(way, 1, 65536) * (M_PI / 0.5), way == "twopass" ? 0.01 * .50656 : 0.0);
+           mean(way, 1, 16384) * (M_PI / 0.5), way == "twopass" ? 0.01 * .50656 : 0.0);
 }
 
 TEST_F(ProgramRadiosity, Spheres) {
