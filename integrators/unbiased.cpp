@@ -20,14 +20,14 @@ float relative(const C3f& brings, const C3f& expected) {
 }
 
 // Ends the path with what the solution says that it would still find, or has it go on for the rest (I12).
-// False: ended.
-bool settle(Vertex& vertex, const Irradiance& irradiance) {
+// `known`: what needs not be found, W/m2. False: ended.
+bool settle(Vertex& vertex, const Irradiance& irradiance, const C3f& known) {
   const C3f cached = reflected_radiance(vertex.bsdf(), irradiance);
   const C3f brings = vertex.throughput() * cached;
   C3f& expected = vertex.expected();
   float survival = 1.0f;
   if (is_black(expected))
-    expected = brings;
+    expected = brings + vertex.throughput() * diffuse_reflectance(vertex.bsdf()) * known * (1.0f / pi_f);
   else
     survival = std::clamp(window * relative(brings, expected), least_survival, 1.0f);
   if (vertex.is_long()) survival = std::min(survival, vertex.survival());
@@ -51,20 +51,45 @@ Unbiased::Unbiased(const Scene& scene, const PassOne& pass_one, const PathLimits
     : scene_(scene), solution_(pass_one.solution), guide_(pass_one.guide), limits_(limits) {
   const bool is_limited = limits.max_depth >= 0 || is_clamped(limits);
   returns_cached_ = solution_ != nullptr && !is_limited;
+  // Clamps are for single samples of light.
+  if (solution_ && !is_clamped(limits)) certain_.emplace(scene, solution_->mesh());
+}
+
+Step Unbiased::at(Vertex& vertex) const {
+  if (is_specular(vertex.bsdf())) return Step::scatter;
+  const SurfacePoint& point = vertex.point();
+  const std::uint32_t element = solution_ ? solution_->mesh().find(point) : no_index;
+  if (element == no_index) return Step::light_and_scatter;
+  Step step = Step::light_and_scatter;
+  // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
+  if (std::holds_alternative<Diffuse>(vertex.bsdf())) {
+    Irradiance rest = solution_->irradiances()[element];
+    C3f known(0.0f);
+    if (certain_ && certain_->knows(element) && point.shading.n == point.geometric_normal) {
+      known = add_direct(vertex, element);
+      rest.direct = C3f(0.0f);
+      step = Step::scatter;
+    }
+    if (returns_cached_ && !settle(vertex, rest, known)) return Step::end;
+  }
+  if (guide_) vertex.guide_by(guide_->at(element, point.geometric_normal));
+  return step;
+}
+
+// Adds the direct light that is known, and says how much it is.
+C3f Unbiased::add_direct(Vertex& vertex, std::uint32_t element) const {
+  C3f sum(0.0f);
+  certain_->visit(element, vertex.point().position, vertex.point().geometric_normal,
+                  [&](const C3f& irradiance, std::uint32_t light) {
+                    sum += irradiance;
+                    vertex.add_direct(irradiance, light);
+                  });
+  vertex.set_has_direct();
+  return sum;
 }
 
 void Unbiased::trace(std::span<PathSample> samples, RayCounts& counts) const {
-  trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
-    if (is_specular(vertex.bsdf())) return Step::scatter;
-    const std::uint32_t element = solution_ ? solution_->mesh().find(vertex.point()) : no_index;
-    if (element == no_index) return Step::light_and_scatter;
-    // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
-    if (returns_cached_ && std::holds_alternative<Diffuse>(vertex.bsdf()) &&
-        !settle(vertex, solution_->irradiances()[element]))
-      return Step::end;
-    if (guide_) vertex.guide_by(guide_->at(element, vertex.point().geometric_normal));
-    return Step::light_and_scatter;
-  });
+  trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) { return at(vertex); });
 }
 
 }  // namespace twopass

@@ -5,10 +5,14 @@
 
 #include "integrators/integrator.h"
 #include "integrators/pass_one.h"
+#include "radiosity/certain_light.h"
 #include "radiosity/guide.h"
 #include "radiosity/solution.h"
 
 namespace twopass {
+
+class Vertex;
+enum class Step : std::uint8_t;
 
 class Unbiased final : public Integrator {
  public:
@@ -19,11 +23,15 @@ class Unbiased final : public Integrator {
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
+  [[nodiscard]] Step at(Vertex& vertex) const;
+  C3f add_direct(Vertex& vertex, std::uint32_t element) const;
+
   const Scene& scene_;
   const Solution* solution_;
   const Guide* guide_;
   PathLimits limits_;
   bool returns_cached_;
+  std::optional<CertainLight> certain_;  // none: direct light is sampled everywhere
 };
 
 }  // namespace twopass

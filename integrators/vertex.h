@@ -17,6 +17,7 @@ struct Carried {
   float last_pdf_w = 0.0f;
   Receiver last_receiver;  ///< the vertex that the ray left; set once last_was_specular is false
   bool last_was_specular = true;
+  bool has_direct = false;  ///< the last vertex has its direct light; meaningful where not last_was_specular
   /// A direction was drawn from a broad lobe before: what the path sees is blurred, over sharp lobes, too.
   bool gathers = false;
   int scatterings = 0;         ///< other than at mirrors and glass
@@ -61,8 +62,9 @@ inline void escape(const Scene& scene, const PathLimits& limits, PathSample& sam
                    const Ray& ray, int edges) {
   const C3f sky = scene.environment().radiance(ray.direction);
   if (is_black(sky)) return;
-  const float weight = carried.last_was_specular
-                           ? 1.0f
+  const float weight = carried.last_was_specular ? 1.0f
+                       : carried.has_direct
+                           ? 0.0f
                            : power_heuristic(carried.last_pdf_w, scene.lights().escaped_pdf_w(
                                                                      carried.last_receiver, ray.direction));
   const C3f radiance = clamped(carried.throughput * sky * weight, edges - carried.passed, limits);
@@ -126,6 +128,19 @@ class Vertex {
       add_to_layers(added, irradiance, look_up);
   }
 
+  /// Adds direct light that is known without sampling, W/m2, to a surface of Lambert's model. `light`: where it
+  /// comes from, see Lights.
+  void add_direct(const C3f& irradiance, std::uint32_t light) {
+    const C3f added = clamped(carried_->throughput * diffuse_reflectance(*bsdf_) * irradiance * (1.0f / pi_f),
+                              edges_ + 1, *limits_);
+    sample_->seen.radiance += added;
+    if (sample_->layers) [[unlikely]]
+      sample_->layers->add_scattered(
+          added, edges_ > 1 ? sample_->layers->scatter : FirstScatter{C3f(1.0f), false}, edges_ == 1, light);
+  }
+  /// All direct light of the vertex has been added: no ray from here may find it again.
+  void set_has_direct() { has_direct_ = true; }
+
   /// Draws the numbers that the step takes. REQUIRES: step is not `end`.
   void draw(Step step) {
     goes_on_ = step != Step::light;
@@ -179,6 +194,7 @@ class Vertex {
     if (sample_->cone.is_open())
       sample_->cone = sample_->cone.scattered(distance_, drawn->pdf_w, drawn->is_specular);
     if (!drawn->is_specular) {
+      carried.has_direct = has_direct_;
       carried.gathers = carried.gathers || drawn->pdf_w < broad_lobe_pdf_w;
       ++carried.scatterings;
       carried.last_receiver = receiver_at(point_, *bsdf_);
@@ -264,6 +280,7 @@ class Vertex {
   // share of the scattered ray (I3).
   [[nodiscard]] float emission_weight() const {
     if (carried_->last_was_specular) return 1.0f;
+    if (carried_->has_direct) return 0.0f;
     const float light_pdf_w = scene_->lights().pdf_w(carried_->last_receiver, direction_, distance_, point_);
     return power_heuristic(carried_->last_pdf_w, light_pdf_w);
   }
@@ -306,7 +323,7 @@ class Vertex {
   V3f direction_;  // of the edge that led here
   int edges_;
   float distance_;
-  bool samples_lights_, goes_on_, has_settled_ = false, without_diffuse_ = false;
+  bool samples_lights_, goes_on_, has_settled_ = false, without_diffuse_ = false, has_direct_ = false;
   float share_ = 0.0f;  // of the guide
   Guide::Lobe guide_;
   V2f u_light_, u_direction_;

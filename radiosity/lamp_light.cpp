@@ -47,19 +47,21 @@ Imath::Box3d box_around(const Shape& shape) {
 LampLight::LampLight(const Scene& scene) {
   if (scene.has_see_through() || !scene.environment().is_black() || !scene.punctual_lights().empty()) return;
   std::vector<Polygon> surfaces, surroundings;
-  for (const Shape& shape : scene.shapes())
-    if (!add_shape(shape, surfaces, surroundings)) {
+  for (std::uint32_t s = 0; s < scene.shapes().size(); ++s)
+    if (!add_shape(scene, s, surfaces, surroundings)) {
       lamps_.clear();
       return;
     }
   surroundings.insert(surroundings.end(), surfaces.begin(), surfaces.end());
+  polygons_ = surroundings.size();
   surfaces_.emplace(std::move(surfaces));
   obstacles_.emplace(std::move(surroundings));
 }
 
 // False: it is more than can be known.
-bool LampLight::add_shape(const Shape& shape, std::vector<Polygon>& surfaces,
+bool LampLight::add_shape(const Scene& scene, std::uint32_t number, std::vector<Polygon>& surfaces,
                           std::vector<Polygon>& surroundings) {
+  const Shape& shape = scene.shapes()[number];
   if (is_analytic(shape.geometry)) {
     if (is_emitter(shape)) return false;
     solids_.push_back(box_around(shape));
@@ -74,7 +76,7 @@ bool LampLight::add_shape(const Shape& shape, std::vector<Polygon>& surfaces,
   for (const Side side : {front, back}) {
     if (is_black(shape.radiance[side])) continue;
     for (const Polygon& polygon : polygons)
-      lamps_.push_back({side == front ? polygon : turned(polygon), C3d(shape.radiance[side]) * pi});
+      lamps_.push_back({side == front ? polygon : turned(polygon), C3d(shape.radiance[side]) * pi, number});
   }
   return lamps_.size() <= most_lamps;
 }
@@ -103,8 +105,24 @@ std::optional<LampLight::Lamps> LampLight::seen_from(const Polygon& polygon) con
 C3d LampLight::irradiance(const V3d& point, const V3d& normal, Lamps lamps) const {
   C3d sum(0.0);
   for (std::size_t k = 0; k < lamps_.size(); ++k)
-    if (lamps >> k & 1) sum += lamps_[k].exitance * point_form_factor(point, normal, lamps_[k].polygon);
+    if (lamps >> k & 1) sum += irradiance_of(static_cast<int>(k), point, normal);
   return sum;
+}
+
+bool LampLight::are_above(Lamps lamps, const V3d& point, const V3d& normal) const {
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    if (!(lamps >> k & 1)) continue;
+    const Polygon& lamp = lamps_[k].polygon;
+    if (!std::all_of(lamp.v.begin(), lamp.v.begin() + lamp.n,
+                     [&](const V3d& v) { return normal.dot(v - point) > 0.0; }))
+      return false;
+  }
+  return true;
+}
+
+C3d LampLight::irradiance_of(int k, const V3d& point, const V3d& normal) const {
+  const Lamp& lamp = lamps_[static_cast<std::size_t>(k)];
+  return lamp.exitance * point_form_factor(point, normal, lamp.polygon);
 }
 
 }  // namespace twopass

@@ -28,16 +28,31 @@ class LampLight {
 
   /// Irradiance from the given lamps in full view at a point with a unit normal, W/m2: (R2), exact.
   [[nodiscard]] C3d irradiance(const V3d& point, const V3d& normal, Lamps lamps) const;
+  /// The same of one lamp, the k-th bit of Lamps. REQUIRES: there is one.
+  [[nodiscard]] C3d irradiance_of(int k, const V3d& point, const V3d& normal) const;
+  /// Whether none of the given lamps reaches below a plane of unit normal.
+  [[nodiscard]] bool are_above(Lamps lamps, const V3d& point, const V3d& normal) const;
+  [[nodiscard]] std::size_t count() const { return lamps_.size(); }
+  /// The k-th lamp, seen from its shining side, and what it emits, W/m2.
+  [[nodiscard]] const Polygon& polygon(std::size_t k) const { return lamps_[k].polygon; }
+  [[nodiscard]] const C3d& exitance(std::size_t k) const { return lamps_[k].exitance; }
+  /// The number of a lamp as a light (Lights): of the shape that emits.
+  [[nodiscard]] std::uint32_t number_of(int k) const { return lamps_[static_cast<std::size_t>(k)].shape; }
+  /// How many tests seen_from() makes at most.
+  [[nodiscard]] std::size_t work() const { return lamps_.size() * polygons_; }
 
  private:
   struct Lamp {
     Polygon polygon;  // its shining side is the front
     C3d exitance;
+    std::uint32_t shape;
   };
-  bool add_shape(const Shape& shape, std::vector<Polygon>& surfaces, std::vector<Polygon>& surroundings);
+  bool add_shape(const Scene& scene, std::uint32_t number, std::vector<Polygon>& surfaces,
+                 std::vector<Polygon>& surroundings);
   [[nodiscard]] bool stands_in_solid(const Polygon& polygon) const;
 
   std::vector<Lamp> lamps_;
+  std::size_t polygons_ = 0;
   std::vector<Imath::Box3d> solids_;   // around what is no polygon
   std::optional<Blockers> surfaces_;   // what hides for certain
   std::optional<Blockers> obstacles_;  // what may hide: surfaces and solids

@@ -88,11 +88,13 @@ void run(const std::string& file, const Settings& settings) {
   std::vector<std::unique_ptr<Integrator>> integrators;
   std::vector<Result> results(std::size(kinds));
   for (std::size_t i = 0; i < results.size(); ++i) {
+    stopwatch = Stopwatch();
     integrators.push_back(make_integrator(
         kinds[i], scene,
         {reads_solution(kinds[i]) ? &solution : nullptr, nullptr, is_guided(kinds[i]) ? &guide : nullptr},
         limits));
-    results[i].before = (reads_solution(kinds[i]) ? radiosity : 0.0) + (is_guided(kinds[i]) ? guiding : 0.0);
+    results[i].before = stopwatch.elapsed().cpu_seconds + (reads_solution(kinds[i]) ? radiosity : 0.0) +
+                        (is_guided(kinds[i]) ? guiding : 0.0);
   }
   for (int k = 0; k < settings.renders; ++k)
     for (std::size_t i = 0; i < results.size(); ++i) {
