@@ -9,8 +9,12 @@ namespace {
 
 // A path survives with the part of the picture's radiance that it is expected to bring, times this (I12).
 constexpr float window = 2.0f;
+// What is known of it counts so much: to find it again is not what the path is for.
+constexpr float share_of_known = 0.5f;
 // Never less often than this, so that light of which the solution knows nothing is not too dear.
 constexpr float least_survival = 0.1f;
+// With fewer edges than this, what the solution holds of longer paths would count.
+constexpr int least_long_depth = 16;
 // The root mean square over the channels of what the path brings as a part of what is expected.
 float relative(const C3f& brings, const C3f& expected) {
   float sum = 0.0f;
@@ -20,16 +24,17 @@ float relative(const C3f& brings, const C3f& expected) {
 }
 
 // Ends the path with what the solution says that it would still find, or has it go on for the rest (I12).
-// `known`: what needs not be found, W/m2. False: ended.
+// `known`: direct light that needs not be found, W/m2, but says how much the path carries. False: ended.
 bool settle(Vertex& vertex, const Irradiance& irradiance, const C3f& known) {
-  const C3f cached = reflected_radiance(vertex.bsdf(), irradiance);
-  const C3f brings = vertex.throughput() * cached;
+  const C3f to_radiance = diffuse_reflectance(vertex.bsdf()) * (1.0f / pi_f);
+  const C3f cached = reflected_radiance(vertex.bsdf(), irradiance), direct = to_radiance * known;
   C3f& expected = vertex.expected();
   float survival = 1.0f;
   if (is_black(expected))
-    expected = brings + vertex.throughput() * diffuse_reflectance(vertex.bsdf()) * known * (1.0f / pi_f);
-  else
-    survival = std::clamp(window * relative(brings, expected), least_survival, 1.0f);
+    expected = vertex.throughput() * (cached + direct);
+  else if (!is_black(cached + direct))
+    survival = std::clamp(window * relative(vertex.throughput() * (cached + direct * share_of_known), expected),
+                          least_survival, 1.0f);
   if (vertex.is_long()) survival = std::min(survival, vertex.survival());
   if (survival >= 1.0f) {
     vertex.settle(1.0f);
@@ -49,8 +54,9 @@ bool settle(Vertex& vertex, const Irradiance& irradiance, const C3f& known) {
 
 Unbiased::Unbiased(const Scene& scene, const PassOne& pass_one, const PathLimits& limits)
     : scene_(scene), solution_(pass_one.solution), guide_(pass_one.guide), limits_(limits) {
-  const bool is_limited = limits.max_depth >= 0 || is_clamped(limits);
-  returns_cached_ = solution_ != nullptr && !is_limited;
+  // The mean is right under any limit, but what a short path would find is not what the solution holds.
+  const bool is_short = limits.max_depth >= 0 && limits.max_depth < least_long_depth;
+  returns_cached_ = solution_ != nullptr && !is_short && !is_clamped(limits);
   // Clamps are for single samples of light.
   if (solution_ && !is_clamped(limits)) certain_.emplace(scene, solution_->mesh());
 }

@@ -16,9 +16,9 @@ enum class Step : std::uint8_t;
 
 class Unbiased final : public Integrator {
  public:
-  /// Without solution or guide, paths are ended as in the path tracer, or drawn as there. Limits on the number
-  /// of edges or on what a path may add have the paths ended as in the path tracer, too: the solution knows
-  /// nothing of them. REQUIRES: the scene outlives the integrator.
+  /// Without solution or guide, paths are ended as in the path tracer, or drawn as there. Clamps have the paths
+  /// ended as in the path tracer, too, and limits of less than 16 edges: the solution knows nothing of them.
+  /// REQUIRES: the scene outlives the integrator.
   Unbiased(const Scene& scene, const PassOne& pass_one, const PathLimits& limits);
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
