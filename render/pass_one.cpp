@@ -101,9 +101,9 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
 }
 
 BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
-  // Where the number of samples is not known, 64; a two-pass sample takes about three rays, and a thread casts
-  // some five million a second.
-  constexpr double guessed_samples = 64.0, rays_of_a_sample = 3.0, rays_a_second = 5e6;
+  // Where the number of samples is not known, 8, as many as a noise of a few percent may need; a two-pass
+  // sample takes about three rays, and a thread casts some five million a second.
+  constexpr double guessed_samples = 8.0, rays_of_a_sample = 3.0, rays_a_second = 5e6;
   BiasGoal goal;
   if (sampling.relative_error > 0.0) goal.most = std::clamp(sampling.relative_error / 6.0, 0.001, goal.most);
   const double samples = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel : guessed_samples;
