@@ -12,18 +12,21 @@ namespace {
 
 constexpr double most_variance = 1e30;  // infinities would leave nothing for the others
 
-// A pilot's pixels and their surroundings, row by row.
+// What the pixels of some rows of a pilot, and those around them, say of their noise.
 class Surroundings {
  public:
-  explicit Surroundings(const Film& pilot) : pilot_(pilot), around_(pilot.surroundings()) {}
-  [[nodiscard]] double variance(int x, int y) const {
-    return std::min(pilot_.pixel(x, y).relative_variance(around(x, y)), most_variance);
+  Surroundings(const Film& pilot, std::span<const Around> around, int begin, int end)
+      : pilot_(pilot), around_(around), first_(std::max(begin - radius, 0)) {
+    const int last = std::min(end + radius, pilot.height());
+    noise_.reserve(static_cast<std::size_t>(last - first_) * static_cast<std::size_t>(pilot.width()));
+    for (int y = first_; y < last; ++y)
+      for (int x = 0; x < pilot.width(); ++x) noise_.push_back(pilot.pixel(x, y).noise());
   }
+  [[nodiscard]] double variance(int x, int y) const { return relative(x, y, around(x, y)); }
   // The mean root of the variances of the pixels around (x, y), as they are without it: nothing of the result
   // depends on that pixel. 1 where there are no others.
   [[nodiscard]] double share(int x, int y) const {
-    constexpr int radius = Film::around_radius;
-    const C3d own = pilot_.pixel(x, y).mean();
+    const C3d& own = noise(x, y).mean;
     double sum = 0.0;
     int count = 0;
     for (int j = std::max(y - radius, 0); j <= std::min(y + radius, pilot_.height() - 1); ++j)
@@ -32,35 +35,43 @@ class Surroundings {
         Around without = around(i, j);
         without.sum -= own;
         --without.count;
-        sum += std::sqrt(std::min(pilot_.pixel(i, j).relative_variance(without), most_variance));
+        sum += std::sqrt(relative(i, j, without));
         ++count;
       }
     return count > 0 ? sum / count : 1.0;
   }
 
  private:
-  [[nodiscard]] const Around& around(int x, int y) const {
-    return around_[static_cast<std::size_t>(y) * static_cast<std::size_t>(pilot_.width()) +
-                   static_cast<std::size_t>(x)];
+  static constexpr int radius = Film::around_radius;
+  [[nodiscard]] double relative(int x, int y, const Around& around) const {
+    return std::min(noise(x, y).relative(around), most_variance);
   }
+  [[nodiscard]] const PixelNoise& noise(int x, int y) const { return noise_[pilot_.index(x, y - first_)]; }
+  [[nodiscard]] const Around& around(int x, int y) const { return around_[pilot_.index(x, y)]; }
+
   const Film& pilot_;
-  std::vector<Around> around_;
+  std::span<const Around> around_;
+  int first_;
+  std::vector<PixelNoise> noise_;  // of the rows from first_ on
 };
 
 }  // namespace
 
 SampleShares::SampleShares(const Film& pilot)
     : pilot_samples_(static_cast<std::uint32_t>(pilot.pixel(0, 0).samples)) {
-  const Surroundings surroundings(pilot);
-  const auto width = static_cast<std::size_t>(pilot.width()),
-             pixels = width * static_cast<std::size_t>(pilot.height());
+  const std::vector<Around> around = pilot.surroundings();
+  const std::size_t pixels = around.size();
   std::vector<double> variances(pixels), shares(pixels);
-  parallel_for(pixels, width, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
-      variances[i] = surroundings.variance(x, y);
-      shares[i] = surroundings.share(x, y);
-    }
+  constexpr std::size_t band = 32;
+  parallel_for(static_cast<std::size_t>(pilot.height()), band, [&](std::size_t begin, std::size_t end) {
+    const int first = static_cast<int>(begin), last = static_cast<int>(end);
+    const Surroundings surroundings(pilot, around, first, last);
+    for (int y = first; y < last; ++y)
+      for (int x = 0; x < pilot.width(); ++x) {
+        const std::size_t i = pilot.index(x, y);
+        variances[i] = surroundings.variance(x, y);
+        shares[i] = surroundings.share(x, y);
+      }
   });
   const double mean_share =
       std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());

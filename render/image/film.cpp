@@ -47,18 +47,21 @@ std::array<float, 4> FilmPixel::resolved() const {
           static_cast<float>(mean_alpha())};
 }
 
-double FilmPixel::relative_variance(const Around& around) const {
-  const C3d at = mean();
+PixelNoise FilmPixel::noise() const {
+  // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1).
+  PixelNoise noise{mean(), spread / (batches - 1.0), {}};
+  for (int c = 0; c < 3; ++c)
+    noise.certain[c] = noise.mean[c] - 2.0 * std::sqrt(noise.variance[c] / static_cast<double>(samples));
+  return noise;
+}
+
+double PixelNoise::relative(const Around& around) const {
+  const double each = around.count > 0 ? 1.0 / around.count : 0.0;
   double total = 0.0;
   for (int c = 0; c < 3; ++c) {
-    // A batch of n samples has a mean of variance s^2/n, hence s^2 = spread / (batches - 1).
-    const double variance = spread[c] / (batches - 1.0);
-    double believed = at[c];
-    if (around.count > 0) {
-      const double certain = at[c] - 2.0 * std::sqrt(variance / static_cast<double>(samples));
-      believed = std::min(believed, std::max(certain, around.sum[c] / around.count));
-    }
-    total += variance / (believed * believed + relmse_epsilon);
+    double believed = mean[c];
+    if (around.count > 0) believed = std::min(believed, std::max(certain[c], around.sum[c] * each));
+    total += variance[c] / (believed * believed + relmse_epsilon);
   }
   // Radiances near the end of double's range could overflow to inf/inf.
   return std::isnan(total) ? std::numeric_limits<double>::infinity() : total / 3.0;
@@ -195,22 +198,34 @@ Image Film::resolve_all() const {
 }
 
 std::vector<Around> Film::surroundings() const {
-  const auto rows = static_cast<std::size_t>(height_);
-  std::vector<C3d> means(pixels_.size());
-  for_each_row(rows, [&](int y) {
-    for (int x = 0; x < width_; ++x) means[index(x, y)] = pixel(x, y).mean();
-  });
+  constexpr int r = around_radius;
   std::vector<Around> surroundings(pixels_.size());
-  for_each_row(rows, [&](int y) {
-    for (int x = 0; x < width_; ++x) {
-      Around& around = surroundings[index(x, y)];
-      for (int j = std::max(y - around_radius, 0); j <= std::min(y + around_radius, height_ - 1); ++j)
-        for (int i = std::max(x - around_radius, 0); i <= std::min(x + around_radius, width_ - 1); ++i) {
-          if ((i == x && j == y) || pixel(i, j).samples == 0) continue;
-          around.sum += means[index(i, j)];
-          ++around.count;
-        }
+  constexpr std::size_t band = 32;
+  parallel_for(static_cast<std::size_t>(height_), band, [&](std::size_t begin, std::size_t end) {
+    // The rows of a band and those around it; sums along rows first, then of rows.
+    const int first = std::max(static_cast<int>(begin) - r, 0),
+              last = std::min(static_cast<int>(end) + r, height_);
+    const auto columns = static_cast<std::size_t>(width_);
+    std::vector<Around> own(columns * static_cast<std::size_t>(last - first)), in_row(own.size());
+    const auto at = [&](int x, int y) {
+      return static_cast<std::size_t>(y - first) * columns + static_cast<std::size_t>(x);
+    };
+    for (int y = first; y < last; ++y) {
+      for (int x = 0; x < width_; ++x)
+        if (const FilmPixel& p = pixel(x, y); p.samples > 0) own[at(x, y)] = {p.mean(), 1};
+      for (int x = 0; x < width_; ++x)
+        for (int i = std::max(x - r, 0); i <= std::min(x + r, width_ - 1); ++i)
+          in_row[at(x, y)] += own[at(i, y)];
     }
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+      for (int x = 0; x < width_; ++x) {
+        Around& around = surroundings[index(x, y)];
+        for (int j = std::max(y - r, 0); j <= std::min(y + r, height_ - 1); ++j)
+          if (j != y) around += in_row[at(x, j)];
+        // Without itself, which subtracting it from a sum would not be where it is a million times brighter.
+        for (int i = std::max(x - r, 0); i <= std::min(x + r, width_ - 1); ++i)
+          if (i != x) around += own[at(i, y)];
+      }
   });
   return surroundings;
 }
@@ -232,7 +247,7 @@ NoiseEstimate Film::noise() const {
         row.is_known = false;
         return;
       }
-      const double relmse = at.relative_variance(around[index(x, y)]) / static_cast<double>(at.samples);
+      const double relmse = at.noise().relative(around[index(x, y)]) / static_cast<double>(at.samples);
       row.sum += relmse;
       row.squares += relmse * relmse;
       row.sampled += 1.0;

@@ -18,6 +18,23 @@ namespace twopass {
 struct Around {
   C3d sum{0.0, 0.0, 0.0};
   int count = 0;
+
+  void operator+=(const Around& other) {
+    sum += other.sum;
+    count += other.count;
+  }
+};
+
+/// What a pixel's batches say of one sample, before it is seen among the pixels around.
+struct PixelNoise {
+  C3d mean, variance;
+  C3d certain;  ///< the mean, two standard errors below
+
+  /// Variance over r^2 + 0.01 (S9), averaged over the channels; divided by the samples it is the expected
+  /// relMSE of the mean. r is the pixel's mean radiance, but only as far as it is certain or as the pixels
+  /// around have it: a rare bright sample raises the mean of its pixel together with the variance, and would
+  /// hide itself. Never NaN.
+  [[nodiscard]] double relative(const Around& around) const;
 };
 
 /// What a pixel has received, from one batch of samples or from many.
@@ -45,12 +62,8 @@ struct FilmPixel {
   [[nodiscard]] double mean_alpha() const;
   /// What stands in the picture: R, G, B, A.
   [[nodiscard]] std::array<float, 4> resolved() const;
-  /// Estimated variance of one sample over r^2 + 0.01 (S9), averaged over the channels, from the scatter of the
-  /// batches; divided by `samples` it is the expected relMSE of the mean. r is the pixel's mean radiance, but
-  /// only as far as it is certain (two standard errors below) or as the pixels around have it: a rare bright
-  /// sample raises the mean of its pixel together with the variance, and would hide itself. Never NaN.
-  /// REQUIRES: batches >= 2.
-  [[nodiscard]] double relative_variance(const Around& around) const;
+  /// From the scatter of the batches. REQUIRES: batches >= 2.
+  [[nodiscard]] PixelNoise noise() const;
   /// Adds what another set of batches found. Exact (Chan, Golub, LeVeque 1983) where weights are 1, `spread` a
   /// good estimate where not; order changes only rounding.
   void merge(const FilmPixel& other);

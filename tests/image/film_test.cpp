@@ -128,7 +128,7 @@ TEST(Film, ErrorEstimateBelievesWhatIsCertain) {
   // Variance of a sample .02, of the mean .01.
   const std::vector<Around> surroundings = film.surroundings();
   const auto around = [&](int x, int y) { return surroundings[static_cast<std::size_t>(9 * y + x)]; };
-  const auto relative_variance = [&](int x, int y) { return film.pixel(x, y).relative_variance(around(x, y)); };
+  const auto relative_variance = [&](int x, int y) { return film.pixel(x, y).noise().relative(around(x, y)); };
   EXPECT_NEAR(relative_variance(4, 4), 0.02 / (0.8 * 0.8 + 0.01), 1e-6);
   EXPECT_EQ(relative_variance(3, 4), 0.0);
   EXPECT_NEAR(relative_variance(8, 8), 2.0 / 0.01, 1e-3);
