@@ -16,6 +16,8 @@ class GuidedDirections {
   [[nodiscard]] std::optional<BsdfSample> sample(V2f u) const {
     if (share_ == 1.0f || choose(u.x, share_)) {
       const Guide::Lobe::Direction drawn = guide_.sample(u);
+      // On the horizon, where rounding lets the model still see it.
+      if (!(drawn.pdf_w > 0.0f)) return std::nullopt;
       const V3f wi = shading_.to_local(drawn.direction);
       const C3f scattered = eval(bsdf_, wo_, wi);
       if (is_black(scattered)) return std::nullopt;

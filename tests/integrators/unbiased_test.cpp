@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "integrators/guided_directions.h"
 #include "integrators/path.h"
 #include "radiosity/guide.h"
+#include "render/core/warp.h"
 #include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 
@@ -145,6 +147,33 @@ TEST(Unbiased, HasAFiniteVariance) {
               .variance());
     for (std::size_t k = 1; k < variance.size(); ++k) EXPECT_LT(variance[k], 10.0 * variance[0]);
   }
+}
+
+// The largest random number below 1 leads to the horizon, where rounding decides whether the model sees it.
+TEST(Unbiased, GuidedDirectionsOnTheHorizonAreFinite) {
+  const Scene scene(room());
+  const Solution solution = make_solution(scene, Content::solved);
+  const Guide guide(scene, solution);
+  const Bsdf bsdf = Diffuse{C3f(0.5f)};
+  int on_the_horizon = 0;
+  for (std::uint32_t k = 0; k < 4000; ++k) {
+    Sampler sampler(5, k, 0);
+    const V2f u = sampler.next_2d();
+    const V3f normal = square_to_sphere(u);
+    const auto element =
+        static_cast<std::uint32_t>(sampler.next_1d() * static_cast<float>(solution.mesh().count()));
+    if (element >= solution.mesh().count()) continue;
+    const Guide::Lobe lobe = guide.at(element, normal);
+    if (lobe.empty()) continue;
+    const V2f last(0x1.fffffep-1f * u.x, 0x1.fffffep-1f);
+    on_the_horizon += lobe.sample(last).pdf_w == 0.0f;
+    const Frame shading(normal);
+    const auto drawn = GuidedDirections(bsdf, V3f(0, 0, 1), shading, lobe, 1.0f).sample(last);
+    if (drawn) {
+      ASSERT_TRUE(is_finite(drawn->weight)) << drawn->weight << " " << drawn->pdf_w;
+    }
+  }
+  EXPECT_GT(on_the_horizon, 100);
 }
 
 TEST(Unbiased, HasLessNoiseThanThePathTracer) {
