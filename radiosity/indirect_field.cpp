@@ -223,14 +223,29 @@ class Gathering {
   std::vector<C3d> radiosity_;  // reflected, by element
 };
 
+// The vertices that see a caustic, and those that share a face with one: rays find caustics by chance, so that
+// some vertices in the midst of one miss it.
+std::vector<bool> near_caustics(const VertexMesh& vertices, std::span<const Gathered> gathered,
+                                std::span<const Irradiance> smooth) {
+  std::vector<bool> sees(vertices.count()), near(vertices.count());
+  for (std::size_t v = 0; v < sees.size(); ++v)
+    sees[v] = gathered[v].sees_caustic(brightness(C3d(smooth[v].direct)));
+  const VertexMesh::Faces& faces = vertices.faces();
+  for (std::size_t f = 0; f < faces.cells; ++f)
+    if (std::ranges::any_of(faces.corner[f], [&](std::uint32_t v) { return sees[v]; }))
+      for (const std::uint32_t v : faces.corner[f]) near[v] = true;
+  return near;
+}
+
 // (R40): the error that a look-up on the face may have, relative to all the light there, of which
 // `least_direct` is direct; infinite where linear interpolation is out of the question. `smooth`: at the
-// vertices.
+// vertices, as `near_caustic`.
 struct Doubt {
   double error, least_direct;
 };
 Doubt doubt_of(const ElementMesh& mesh, std::uint32_t face, const VertexMesh& vertices,
-               std::span<const Gathered> gathered, std::span<const Irradiance> smooth) {
+               std::span<const Gathered> gathered, std::span<const Irradiance> smooth,
+               const std::vector<bool>& near_caustic) {
   constexpr double no_trust = std::numeric_limits<double>::infinity();
   constexpr Doubt never{no_trust, 0.0};
   if (mesh.area(face) < whole * mesh.whole_area(face)) return never;
@@ -238,7 +253,7 @@ Doubt doubt_of(const ElementMesh& mesh, std::uint32_t face, const VertexMesh& ve
   double longest = 0.0, nearness = 0.0, noise = 0.0, low = no_trust, high = 0.0, direct = no_trust;
   for (std::size_t k = 0; k < 3; ++k) {
     const Gathered& g = gathered[at[k]];
-    if (g.rays == 0 || g.sees_caustic(brightness(C3d(smooth[at[k]].direct)))) return never;
+    if (g.rays == 0 || near_caustic[at[k]]) return never;
     const V3d edge = V3d(vertices.position(at[(k + 1) % 3])) - V3d(vertices.position(at[k]));
     longest = std::max(longest, edge.length());
     nearness = std::max(nearness, g.inverse_distance / g.rays);
@@ -330,6 +345,7 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
     if (gathers[h.vertex])
       gathered[h.vertex] = between(gathered[h.from], gathered[h.to], static_cast<double>(h.t));
 
+  const std::vector<bool> near_caustic = near_caustics(vertices, gathered, smooth);
   const LampLight lamps(scene);
   value_.resize(faces);
   direct_.resize(faces, Corners{C3f(0.0f), C3f(0.0f), C3f(0.0f)});
@@ -338,7 +354,7 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
   // near.
   const auto is_trusted = [&](std::uint32_t f, std::uint64_t& cast) {
     if (gathering.is_crossed(f, cast)) return false;
-    const Doubt doubt = doubt_of(*mesh_, f, vertices, gathered, smooth);
+    const Doubt doubt = doubt_of(*mesh_, f, vertices, gathered, smooth, near_caustic);
     if (doubt.error <= options.tolerance) return true;
     if (!std::isfinite(doubt.error)) return false;
     const Gathered middle = gathering.in_the_middle(f, doubt.least_direct, options, cast);
