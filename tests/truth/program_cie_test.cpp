@@ -298,7 +298,7 @@ TEST_F(ProgramCie, RoofOpenings_5_9) {
         const Readings readings{std::string("CIE 5.9, ") + c.name + (on_wall ? ", wall" : ", floor"),
                                 on_wall ? c.wall : c.floor};
         // A small opening in a large sky is found by one in 30 samples.
-        const int samples = c.edge < 4 ? 65536 : 8192;
+        const int samples = c.edge < 4 ? 65536 : 4096;
         if (on_wall)
           expect_wall(readings, room, light, way, samples);
         else

@@ -20,20 +20,19 @@ class ProgramRadiosity : public test::ProgramTruth {
     V3d centre, normal, up;
     double truth;
   };
-  // By an integrator; `bias` is relative.
-  void expect_faces(const std::string& what, const std::vector<Surface>& scene, const std::vector<Face>& faces,
-                    const std::string& way, double bias) const {
-    for (const Face& face : faces) {
-      write_scene(scene, "", flat_camera(face.centre, face.normal, face.up, 1.0 / 16, 16));
-      record(what + ", mean B of " + face.name + ": " + way, face.truth, mean(way, 16, 64) * M_PI,
-             bias * face.truth);
-    }
-  }
+  // By every integrator; those that read a solution share one, which is found once for all faces.
   void expect_faces(const std::string& what, const std::vector<Surface>& scene,
                     const std::vector<Face>& faces) const {
-    for (const std::string way : {"path", "unbiased"}) expect_faces(what, scene, faces, way, 0.0);
-    for (const std::string way : {"twopass --elements 400", "radiosity --elements 400"})
-      expect_faces(what, scene, faces, way, 0.005);
+    write_scene(scene, "", "");
+    const Outcome solved = run("solve scene.xml -o s.radiosity --quiet --elements 400");
+    ASSERT_EQ(solved.exit_code, 0) << solved.err;
+    for (const Face& face : faces) {
+      write_scene(scene, "", flat_camera(face.centre, face.normal, face.up, 1.0 / 16, 16));
+      for (const std::string way : {"path", "unbiased", "twopass", "radiosity"})
+        record(what + ", mean B of " + face.name + ": " + way, face.truth,
+               mean(way + (way == "path" ? "" : " --solution s.radiosity"), 16, 64) * M_PI,
+               way == "twopass" || way == "radiosity" ? 0.005 * face.truth : 0.0);
+    }
   }
   // Of a solution, which is found once for all faces.
   void expect_solution(const std::string& what, const std::vector<Surface>& scene,
@@ -78,7 +77,8 @@ TEST_F(ProgramRadiosity, IrradianceInTheMiddleOfTheCubesFaces) {
                              Face{"ceiling (indirect)", {.5, .5, 1}, -z, y, ceiling}}) {
       write_scene(cube(rho, rho), "", flat_camera(face.centre, face.normal, face.up, 0.01, 1));
       const double emitted = face.normal.z < 0 ? 1.0 : 0.0;
-      for (const std::string way : {"path", "unbiased", "twopass"})
+      // Near a point elements show: as many as the program takes by itself.
+      for (const std::string way : {"path", "unbiased --elements 400", "twopass"})
         record("cube, rho = " + number(rho) + ", H in the middle of the " + face.name + ": " + way, face.truth,
                (mean(way, 1, 16384) * M_PI - emitted) * (1.0 / rho),
                way == "twopass" ? 0.01 * face.truth : 0.0);
@@ -102,7 +102,7 @@ TEST_F(ProgramRadiosity, PlaneMirrorDoublesTheRoom) {
   write_scene(room, "", flat_camera({.5, .5, 0}, z, y, 0.01, 1));
   for (const std::string way : {"path", "unbiased", "twopass"})
     record("cube with a mirror, H in the middle of the floor: " + way, .50656,
-           mean(way, 1, 16384) * (M_PI / 0.5), way == "twopass" ? 0.01 * .50656 : 0.0);
+           mean(way + " --elements 400", 1, 16384) * (M_PI / 0.5), way == "twopass" ? 0.01 * .50656 : 0.0);
 }
 
 TEST_F(ProgramRadiosity, Spheres) {
@@ -124,7 +124,7 @@ TEST_F(ProgramRadiosity, Spheres) {
     // Spheres become polyhedra for the solution.
     const double bias = way == "twopass" || way == "radiosity" ? 0.01 : 0.0;
     const auto expect = [&](const std::string& name, double truth) {
-      record(name + ": " + way, truth, mean(way, 8, 256) * M_PI, bias * truth);
+      record(name + ": " + way, truth, mean(way + " --elements 400", 8, 64) * M_PI, bias * truth);
     };
     write_scene({}, sphere(1, true, .8, 1 / M_PI), camera({.2, .3, .1}, {0, 1, 0}));
     expect("inside of a sphere, E = 1, rho = .8, B", 5.0);
@@ -148,7 +148,7 @@ TEST_F(ProgramRadiosity, Furnace) {
       "<lookat origin='.5,.05,.5' target='.5,1,.4' up='0,0,1'/></transform></sensor>";
   write_scene(room, objects, camera);
   for (const std::string way : {"path", "unbiased", "twopass", "radiosity"})
-    record("furnace with mirror and glass, L: " + way, 1.0, mean(way, 16, 64),
+    record("furnace with mirror and glass, L: " + way, 1.0, mean(way + " --elements 400", 16, 16),
            way == "twopass" || way == "radiosity" ? 0.01 : 0.0);
   write_scene(room, "", camera);
   for (const int depth : {1, 2, 3, 5})
