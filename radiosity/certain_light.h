@@ -16,7 +16,7 @@ class LampInView {
   /// REQUIRES: a polygon of at most four corners.
   explicit LampInView(const Polygon& polygon);
   /// The form factor from a differential element to the lamp, as point_form_factor(), at a fraction of its
-  /// time; relative error below 1e-6 (R46).
+  /// time; relative error below 1e-6 (R47).
   [[nodiscard]] double form_factor(const V3f& point, const V3f& normal) const;
 
  private:

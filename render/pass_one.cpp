@@ -120,7 +120,11 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
   // So that the samples are neither the picture's nor those of its certificate.
   constexpr std::uint32_t own_seeds = 0x6b79d8a1u;
   const bool may_solve_again = goal.may_solve_again && !job.solved;
-  PreparedPassOne done = prepare_pass_one(std::move(job));
+  PreparedPassOne done = prepare_pass_one({.scene = job.scene,
+                                           .plan = job.plan,
+                                           .integrator = job.integrator,
+                                           .radiosity = job.radiosity,
+                                           .solved = std::move(job.solved)});
   bool has_refined = false;
   for (std::uint32_t round = 0; done.solution; ++round) {
     PathLimits unclamped = limits;

@@ -44,8 +44,7 @@ class LongRender {
   void begin(RenderIdentity identity, Film& film);
   /// Fills in where the job begins, when it pauses and who looks on. `write` writes the pictures as they are,
   /// and `options` are those of a picture, `name` what a viewer calls it; `to_rec709`: of the
-  /// film's colours. REQUIRES: this, film and both
-  /// functions outlive the job. `to_rec709`: of the film's colours; none: they are.
+  /// film's colours. REQUIRES: this, film and both functions outlive the job.
   void prepare(RenderJob& job, const Film& film, const std::string& name, const ColorMatrix& to_rec709,
                const std::function<void(const RenderState&)>& write,
                const std::function<ExrOptions(const RenderState&)>& options);
