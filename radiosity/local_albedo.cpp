@@ -37,7 +37,7 @@ C3f mean_albedo(const Shape& shape, const MaterialSide& material, const ElementR
       const std::array<V2i, 3> corner = cell_corners(part);
       const V2f middle = barycentric(corner[0] + corner[1] + corner[2], 3 * part.divisions);
       TexturePoint where(texture_coordinates(shape.geometry, root.primitive, middle));
-      if (const Mesh* mesh = mesh_of(shape.geometry)) {
+      if (mesh_of(shape.geometry) != nullptr) {
         // Linear there, so that the corners tell the extent.
         for (const V2i& numerators : corner) {
           const V2f uv =

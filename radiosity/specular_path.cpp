@@ -58,10 +58,8 @@ bool SpecularPath::next() {
 SpecularPathEnd follow_specular(const Scene& scene, const Ray& ray, const SurfacePoint& point, Carried carried,
                                 Sampler& sampler) {
   SpecularPath path(scene, ray, point, carried, sampler);
-  if (path.next()) return path.end();
-  SpecularPathEnd absorbed;
-  absorbed.rays = path.rays();
-  return absorbed;
+  path.next();
+  return path.end();
 }
 
 }  // namespace twopass

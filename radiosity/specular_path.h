@@ -35,7 +35,7 @@ class SpecularPath {
   }
   /// Goes on to where it arrives next. False: it has been absorbed, or ended there.
   bool next();
-  /// Where it is; REQUIRES: next() was true.
+  /// Where it is; of no weight where it has arrived nowhere yet.
   [[nodiscard]] const SpecularPathEnd& end() const { return end_; }
   /// All rays cast so far.
   [[nodiscard]] unsigned rays() const { return end_.rays; }

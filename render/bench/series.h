@@ -13,8 +13,8 @@ namespace twopass {
 /// What a picture is like, some samples on.
 struct BenchPoint {
   int samples_per_pixel = 0;
-  Elapsed time;  ///< since the beginning, pass one included
-  Elapsed pass_one;
+  Elapsed time{};  ///< since the beginning, pass one included
+  Elapsed pass_one{};
   std::uint64_t rays = 0;  ///< of pass two
   double relmse = 0.0;     ///< the reference's own taken off, as of mse
   double mse = 0.0;

@@ -118,7 +118,7 @@ class Bench {
   void measure_scene(const std::string& file, double seconds, BudgetProgress& progress) {
     SceneOptions scene_options;
     scene_options.file = file;
-    const BenchSubject subject(file, scene_options.load(quiet_, SceneOptions::Additions::light_and_camera),
+    const BenchSubject subject(file, scene_options.load(quiet_, SceneOptions::Additions::light_and_camera, {}),
                                options_.size);
     BenchScene found;
     found.name = subject.name;

@@ -7,6 +7,7 @@
 
 #include "radiosity/form_factor_table.h"
 #include "render/commands/command.h"
+#include "render/commands/display_options.h"
 #include "render/commands/scene_options.h"
 #include "render/core/parallel.h"
 
@@ -16,6 +17,7 @@ namespace {
 
 struct FormFactorsOptions {
   SceneOptions scene;
+  std::string config;
   std::string method = "auto";
   FormFactorOptions factors;
   bool no_occlusion = false, json = false;
@@ -91,7 +93,7 @@ int form_factors(FormFactorsOptions options, const GlobalOptions& global) {
   options.factors.method = value_of_name<FormFactorMethod>(form_factor_method_names, options.method, "--method",
                                                            "form factor method");
   options.factors.occlusion = !options.no_occlusion;
-  const Scene scene(options.scene.load(global.console(), SceneOptions::Additions::none).scene);
+  const Scene scene(options.scene.load(global.console(), SceneOptions::Additions::none, options.config).scene);
   const FormFactorTable table = form_factor_table(scene, options.factors);
   for (const std::string& note : table.notes) global.console().note(note);
   if (options.json)
@@ -108,6 +110,7 @@ void add_form_factors_command(CLI::App& program, const GlobalOptions& global, Ac
   CLI::App& command =
       *program.add_subcommand("form-factors", "Area-to-area form factors between the scene's named shapes");
   options->scene.add_to(command);
+  add_ocio_option(command, options->config);
   command.add_option("--method", options->method, "auto, exact, point, hemicube or rays");
   command.add_option("--rays", options->factors.rays, "Rays from each shape, for the method rays")
       ->check(CLI::Range(1, 1 << 30));

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/commands/command.h"
+#include "render/commands/display_options.h"
 #include "render/commands/scene_options.h"
 #include "render/commands/scene_report.h"
 #include "render/core/parallel.h"
@@ -19,6 +20,7 @@ using nlohmann::ordered_json;
 
 struct InfoOptions {
   SceneOptions scene;
+  std::string config;
   bool json = false;
 };
 
@@ -100,7 +102,7 @@ void add_view(ordered_json& report, LoadedScene loaded) {
 
 int info(const InfoOptions& options, const GlobalOptions& global) {
   const ThreadLimit limit(global.threads);
-  LoadedScene loaded = options.scene.load(global.console(), SceneOptions::Additions::none);
+  LoadedScene loaded = options.scene.load(global.console(), SceneOptions::Additions::none, options.config);
   ordered_json report = scene_report(loaded);
   add_view(report, std::move(loaded));
   if (options.json) {
@@ -126,6 +128,7 @@ void add_info_command(CLI::App& program, const GlobalOptions& global, Action& ac
   CLI::App& command =
       *program.add_subcommand("info", "What is in a scene, what it needs, what will be skipped and why");
   options->scene.add_to(command);
+  add_ocio_option(command, options->config);
   command.add_flag("--json", options->json, "Print JSON");
   command.callback(
       [options, &global, &action] { action = [options, &global] { return info(*options, global); }; });

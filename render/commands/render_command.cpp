@@ -345,7 +345,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   }
 
   Stopwatch stopwatch;
-  LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera);
+  LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera, options.display.config);
   Settings settings = settle(options, loaded.settings, console);
   // What a picture is judged by must not depend on how it is divided, nor on when it was to end at first.
   SamplingGoal judged_by = settings.goal;

@@ -103,8 +103,11 @@ void SceneOptions::add_view_to(CLI::App& command) {
       ->check(CLI::Range(1e-3, 179.9));
 }
 
-LoadedScene SceneOptions::load(const Console& console, Additions additions) const {
-  LoadedScene loaded = load_scene(file, parse_definitions(definitions), textures, ignore_unsupported);
+LoadedScene SceneOptions::load(const Console& console, Additions additions,
+                               const std::string& color_config) const {
+  TextureOptions texture_options = textures;
+  texture_options.color_config = color_config;
+  LoadedScene loaded = load_scene(file, parse_definitions(definitions), texture_options, ignore_unsupported);
   for (const Skipped& entry : loaded.left_out) console.note("left out: " + entry.what + " (" + entry.why + ")");
   for (const std::string& note : loaded.notes) console.note(note);
   SceneDescription& scene = loaded.scene;

@@ -81,7 +81,7 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
   const ThreadLimit limit(global.threads);
 
   Stopwatch stopwatch;
-  LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light);
+  LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light, options.config);
   if (!space.is_rec709()) put_in_primaries(loaded.scene, space.from_rec709);
   s.seed = options.seed.value_or(loaded.settings.seed.value_or(0));
   const RadiosityOptions radiosity = options.radiosity.settle(s.seed);

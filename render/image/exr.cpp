@@ -395,11 +395,12 @@ void write_exr(const fs::path& path, const Image& image, const ExrOptions& optio
   write_atomically(path, stream.bytes());
 }
 
-V2i exr_size(const fs::path& path) {
+ExrFacts exr_facts(const fs::path& path) {
   check_is_exr(path);
   return in_our_words(path, [&] {
-    const Image image = empty_image(path, Imf::MultiPartInputFile(path.c_str()).header(0));
-    return V2i(image.width, image.height);
+    const Imf::MultiPartInputFile file(path.c_str());
+    const Image image = empty_image(path, file.header(0));
+    return ExrFacts{V2i(image.width, image.height), primaries_of(file.header(0))};
   });
 }
 

@@ -77,8 +77,13 @@ void check_exr(const std::filesystem::path& path, const std::vector<std::string>
 /// as check_exr.
 void write_exr(const std::filesystem::path& path, const Image& image, const ExrOptions& options = {});
 
-/// Width and height of the first part's data window, from the header alone. Throws Error as read_exr.
-V2i exr_size(const std::filesystem::path& path);
+/// What the header alone says of the first part.
+struct ExrFacts {
+  V2i size;                            ///< of the data window
+  std::optional<Primaries> primaries;  ///< of its colours, if colorInteropID tells them
+};
+/// Throws Error as read_exr.
+ExrFacts exr_facts(const std::filesystem::path& path);
 
 /// Reads the first part's data window with all channels of all parts: R, G, B, A first, the others by part and
 /// name; 0 where a part has no pixels. A name that an earlier part has, too, gets the part's name in front.

@@ -32,7 +32,8 @@ std::vector<std::string> split_lines(std::string_view text) {
 // Takes the rows of a picture and makes the finest level of them.
 class LevelWriter {
  public:
-  LevelWriter(const TexelOptions& options, std::string_view where) : options_(options), where_(where) {}
+  LevelWriter(const TexelOptions& options, const std::optional<Primaries>& primaries, std::string_view where)
+      : options_(options), primaries_(primaries), where_(where) {}
 
   void begin(int width, int height, const std::vector<std::string>& channels, bool is_integer, bool is_half,
              bool is_byte) {
@@ -41,7 +42,7 @@ class LevelWriter {
     if (width > most_texels / height)
       throw Error(where_, "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels",
                   "make it smaller");
-    decoder_.emplace(options_, channels, is_integer, where_);
+    decoder_.emplace(options_, channels, is_integer, primaries_, where_);
     stride_ = channels.size();
     takes_bytes_ = is_byte;
     const bool has_table = is_byte && decoder_->has_curve();
@@ -111,6 +112,7 @@ class LevelWriter {
   }
 
   TexelOptions options_;
+  std::optional<Primaries> primaries_;
   std::string where_;
   std::optional<TexelDecoder> decoder_;
   std::size_t stride_ = 0, row_bytes_ = 0, not_finite_ = 0;
@@ -161,9 +163,10 @@ struct Reception {
   }
 };
 
-ReadTexture read_source(const TwopassSource& source, const TexelOptions& options, std::string_view where,
+ReadTexture read_source(const TwopassSource& source, const TexelOptions& options,
+                        const std::optional<Primaries>& primaries, std::string_view where,
                         std::size_t most_bytes) {
-  Reception reception{LevelWriter(options, where), most_bytes};
+  Reception reception{LevelWriter(options, primaries, where), most_bytes};
   const TwopassRowSink sink{&reception, Reception::begin, Reception::rows};
   const bool done = oiio_module().stream(&source, &sink, Reception::report) != 0;
   if (reception.error) std::rethrow_exception(reception.error);
@@ -173,9 +176,10 @@ ReadTexture read_source(const TwopassSource& source, const TexelOptions& options
 }
 
 // OpenEXR alone does not need OpenImageIO, which takes long to load.
-ReadTexture read_exr_texture(const fs::path& path, const TexelOptions& options) {
+ReadTexture read_exr_texture(const fs::path& path, const TexelOptions& options,
+                             const std::optional<Primaries>& primaries) {
   Image image = read_exr(path);
-  LevelWriter writer(options, path.string());
+  LevelWriter writer(options, primaries, path.string());
   writer.begin(image.width, image.height, image.channels, false, false, false);
   writer.allocate();
   writer.rows(0, image.height, image.pixels.data());
@@ -194,19 +198,22 @@ bool is_exr(const fs::path& path) {
 
 ReadTexture read_texture(const fs::path& path, const TexelOptions& options, std::size_t most_bytes) {
   check_regular_file(path);
+  std::optional<Primaries> primaries;
   if (is_exr(path)) {
-    const V2i size = exr_size(path);
+    const ExrFacts facts = exr_facts(path);
+    primaries = facts.primaries;
     // As floats of three channels, all levels.
-    const std::uint64_t bytes = 16 * static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
-    if (bytes < most_bytes) return read_exr_texture(path, options);
+    const std::uint64_t bytes =
+        16 * static_cast<std::uint64_t>(facts.size.x) * static_cast<std::uint64_t>(facts.size.y);
+    if (bytes < most_bytes) return read_exr_texture(path, options, primaries);
   }
-  return read_source({path.c_str(), nullptr, 0}, options, path.string(), most_bytes);
+  return read_source({path.c_str(), nullptr, 0}, options, primaries, path.string(), most_bytes);
 }
 
 ReadTexture read_texture(std::span<const std::byte> encoded, const TexelOptions& options,
                          std::string_view where) {
   if (encoded.empty()) throw Error(where, "a picture of no bytes", "give another one");
-  return read_source({nullptr, encoded.data(), encoded.size()}, options, where,
+  return read_source({nullptr, encoded.data(), encoded.size()}, options, {}, where,
                      std::numeric_limits<std::size_t>::max());
 }
 

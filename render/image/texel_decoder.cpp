@@ -18,12 +18,14 @@ int find(const std::vector<std::string>& channels, std::string_view name) {
 }  // namespace
 
 TexelDecoder::TexelDecoder(const TexelOptions& options, const std::vector<std::string>& channels,
-                           bool is_integer, std::string_view where)
+                           bool is_integer, const std::optional<Primaries>& primaries,
+                           std::string_view where)
     : stride_(channels.size()),
       kind_(options.encoding.kind),
       gamma_(options.encoding.gamma),
       range_(options.range) {
   using Kind = TextureEncoding::Kind;
+  const bool is_linear_light = kind_ == Kind::by_type && !is_integer;
   if (kind_ == Kind::by_type) kind_ = is_integer ? Kind::srgb : Kind::raw;
   const int alpha = find(channels, "A"), grey = find(channels, "Y");
   const int color[3] = {find(channels, "R"), find(channels, "G"), find(channels, "B")};
@@ -49,7 +51,8 @@ TexelDecoder::TexelDecoder(const TexelOptions& options, const std::vector<std::s
   else
     std::ranges::copy(color, picked_);
   if (kind_ == Kind::color_space) {
-    transform_ = std::make_shared<const ColorSpaceTransform>(options.encoding.color_space, "", where);
+    transform_ = std::make_shared<const ColorSpaceTransform>(options.encoding.color_space,
+                                                             options.encoding.config, where);
     if (is_single)
       throw Error(where, "a single channel of a picture with a colour space is asked for",
                   "give the colour space raw, or use the whole colour");
@@ -57,6 +60,10 @@ TexelDecoder::TexelDecoder(const TexelOptions& options, const std::vector<std::s
     count_ = 3;
     if (!has_color) picked_[1] = picked_[2] = grey;
   }
+  // Grey is grey in all of them: white becomes white.
+  const Primaries& rec709 = *find_interop_space(rec709_id);
+  if (is_linear_light && count_ == 3 && primaries && *primaries != rec709)
+    to_rec709_ = conversion(*primaries, rec709);
 }
 
 float TexelDecoder::limited(float x) const {
@@ -81,10 +88,15 @@ std::size_t TexelDecoder::decode(const float* pixels, std::size_t count, float* 
         stored = 0.0f;
         ++not_finite;
       }
-      *value_at++ = transform_ ? stored : value(stored);
+      *value_at++ = has_curve() ? value(stored) : stored;
     }
-  if (!transform_) return not_finite;
-  transform_->apply({values, value_at});
+  if (has_curve()) return not_finite;
+  if (transform_) transform_->apply({values, value_at});
+  if (to_rec709_)
+    for (float* rgb = values; rgb != value_at; rgb += 3) {
+      const C3f color = linear_image(*to_rec709_, {rgb[0], rgb[1], rgb[2]});
+      std::copy_n(&color.x, 3, rgb);
+    }
   for (float& x : std::span(values, value_at)) x = std::isfinite(x) ? limited(x) : 0.0f;
   return not_finite;
 }

@@ -3,18 +3,20 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "render/image/color.h"
+#include "render/image/primaries.h"
 
 namespace twopass {
 
 /// How stored values become linear light of Rec.709, or stay the data that they are.
 struct TextureEncoding {
   enum class Kind {
-    by_type,      ///< sRGB's curve where stored as integers, else as they are
+    by_type,      ///< sRGB's curve where stored as integers, else linear in the primaries that the file names
     raw,          ///< as they are: normals, roughness, heights
     srgb,         ///< sRGB's curve
     gamma,        ///< value^gamma
@@ -23,6 +25,7 @@ struct TextureEncoding {
   Kind kind = Kind::by_type;
   float gamma = 1.0f;
   std::string color_space{};
+  std::string config{};  ///< file of that configuration, as in DisplayOptions
   auto operator<=>(const TextureEncoding&) const = default;
 };
 
@@ -48,10 +51,10 @@ struct TexelOptions {
 
 class TexelDecoder {
  public:
-  /// For pictures with these channels; `where` names the picture in errors. Throws Error when it lacks the
-  /// channel, or OpenColorIO the colour space.
+  /// For pictures with these channels, whose linear colours are in `primaries`, if they say so; `where` names the
+  /// picture in errors. Throws Error when it lacks the channel, or OpenColorIO the colour space.
   TexelDecoder(const TexelOptions& options, const std::vector<std::string>& channels, bool is_integer,
-               std::string_view where);
+               const std::optional<Primaries>& primaries, std::string_view where);
 
   /// Channels of the result: 1 or 3.
   [[nodiscard]] int channels() const { return count_; }
@@ -59,7 +62,7 @@ class TexelDecoder {
   [[nodiscard]] const int* picked() const { return picked_; }
   /// Whether each channel of the result depends on its own channel alone, by the same curve: then 8 bits need
   /// only a table of 256 values.
-  [[nodiscard]] bool has_curve() const { return transform_ == nullptr; }
+  [[nodiscard]] bool has_curve() const { return !transform_ && !to_rec709_; }
   /// The curve. REQUIRES: has_curve().
   [[nodiscard]] float value(float stored) const;
   /// Decodes `count` pixels of the picture into `count` * channels() values. Returns how many were not finite.
@@ -75,6 +78,7 @@ class TexelDecoder {
   float gamma_;
   TexelRange range_;
   std::shared_ptr<const ColorSpaceTransform> transform_;
+  std::optional<ColorMatrix> to_rec709_;
 };
 
 }  // namespace twopass

@@ -38,7 +38,9 @@ fs::path find_texture_file(const std::string& name, std::span<const fs::path> fo
   return {};
 }
 
-Texture TextureFiles::load(const TextureRequest& request) {
+Texture TextureFiles::load(TextureRequest request) {
+  if (request.texels.encoding.kind == TextureEncoding::Kind::color_space)
+    request.texels.encoding.config = options_.color_config;
   Texture texture = request.look;
   std::shared_ptr<const TextureImage>& image = std::get<Bitmap>(texture).image;
   if (!request.encoded.empty()) {

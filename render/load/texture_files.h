@@ -28,6 +28,8 @@ struct TextureOptions {
   /// Images of up to a sixteenth of it stay in memory, together up to half of it; the rest is read tile by tile
   /// through a cache, which may take the other half.
   std::size_t memory_megabytes = 1024;
+  /// File of the OpenColorIO configuration that knows their colour spaces, as in DisplayOptions.
+  std::string color_config{};
 };
 
 /// An image that is read while the picture is rendered: what is wrong with it shows only then.
@@ -54,7 +56,7 @@ class TextureFiles {
   /// The texture. Images of the same file and meaning are shared, and so are those of other files with the same
   /// texels. Throws Error naming the file and who asked for it when it is not there (unless missing ones are
   /// pink), is not a regular file, or cannot be read.
-  Texture load(const TextureRequest& request);
+  Texture load(TextureRequest request);
   /// Those that are read while rendering.
   [[nodiscard]] std::vector<TiledTexture> tiled() const;
   /// Adds what was noticed.

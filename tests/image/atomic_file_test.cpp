@@ -135,8 +135,7 @@ TEST_F(AtomicFile, CheckNamesTheFact) {
   EXPECT_TRUE(contains(error_of([&] { check_writable(folder()); }), "it is a folder"));
   EXPECT_TRUE(contains(error_of([&] { check_writable(folder() / ""); }), "it is a folder"));
   EXPECT_TRUE(contains(error_of([&] { check_writable(file("none/a.exr")); }), "there is no folder"));
-  EXPECT_TRUE(
-      contains(error_of([&] { check_writable(file(std::string(300, 'a') + ".exr")); }), "shorter name"));
+  EXPECT_TRUE(contains(error_of([&] { check_writable(file(std::string(300, 'a'))); }), "shorter name"));
   put(file("plain"), "");
   EXPECT_TRUE(contains(error_of([&] { check_writable(file("plain") / "a.exr"); }), "there is no folder"));
 }

@@ -12,14 +12,6 @@ namespace {
 
 using ReadTextureTest = FileTest;
 
-// A 2x1 RGBA PNG: (255, 128, 0, 128) and (1, 2, 3, 0).
-constexpr unsigned char png_rgba[] = {
-    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
-    0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00, 0x00, 0xf4,
-    0x22, 0x7f, 0x8a, 0x00, 0x00, 0x00, 0x11, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8,
-    0xdf, 0xc0, 0xd0, 0xc0, 0xc8, 0xc4, 0xcc, 0x00, 0x00, 0x0e, 0x11, 0x02, 0x06, 0x9e, 0x1a,
-    0xaf, 0x6f, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
-
 C3f first_texel(const TexelOptions& options) {
   return read_texture(std::as_bytes(std::span(png_rgba)), options, "a.gltf").image->texel(0, 0, 0);
 }
@@ -86,6 +78,24 @@ TEST_F(ReadTextureTest, ColorSpacesAreThoseOfOpenColorIO) {
   EXPECT_TRUE(contains(error, "a.exr")) << error;
   EXPECT_TRUE(contains(error, "no colour space 'mud'")) << error;
   EXPECT_TRUE(contains(error, "Linear Rec.709 (sRGB)")) << error;
+}
+
+// ACEScg's pure green in Rec.709 (Bradford), as OpenColorIO's and other tables have it: -0.62, 1.14, -0.13.
+TEST_F(ReadTextureTest, LinearColoursAreInThePrimariesThatTheFileNames) {
+  Image image(64, 64, {"R", "G", "B"});
+  for (std::size_t i = 0; i < image.pixels.size(); i += 3) image.pixels[i + 1] = 1.0f;
+  write_exr(file("cg.exr"), image, {.pixel_type = PixelType::float_, .color_space = "lin_ap1_scene"});
+  write_exr(file("plain.exr"), image, {.pixel_type = PixelType::float_});
+  const C3f expected(-0.62179f, 1.14080f, -0.12897f);
+  for (const std::size_t most_bytes : {std::size_t{1} << 30, std::size_t{1000}}) {  // whole, and by tiles
+    const auto texel = [&](const char* name, const TexelOptions& options) {
+      return read_texture(file(name), options, most_bytes).image->texel(0, 3, 5);
+    };
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(texel("cg.exr", {})[c], expected[c], 1e-3f);
+    EXPECT_EQ(texel("cg.exr", {.range = TexelRange::unit}), C3f(0.0f, 1.0f, 0.0f));
+    EXPECT_EQ(texel("cg.exr", {.encoding = {.kind = TextureEncoding::Kind::raw}}), C3f(0.0f, 1.0f, 0.0f));
+    EXPECT_EQ(texel("plain.exr", {}), C3f(0.0f, 1.0f, 0.0f));
+  }
 }
 
 TEST_F(ReadTextureTest, WhatIsTooLargeIsReadByTiles) {

@@ -10,16 +10,16 @@
 namespace twopass {
 namespace {
 
-struct Case {
+struct FurnaceCase {
   std::string name;
   IntegratorKind kind;
   C3f reflectance;
   bool with_mirror, with_glass;
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const FurnaceCase& c, std::ostream* out) { *out << c.name; }
 
-SceneDescription furnace(const Case& c) {
+SceneDescription furnace(const FurnaceCase& c) {
   SceneDescription scene = test::furnace_room(c.reflectance, 2.0f);
   if (c.with_mirror)
     test::add_box(scene, "mirror", V3f(0.1f, 0.5f, 0.1f), V3f(0.3f, 0.7f, 0.5f),
@@ -31,7 +31,7 @@ SceneDescription furnace(const Case& c) {
   return scene;
 }
 
-class FurnaceTest : public testing::TestWithParam<Case> {};
+class FurnaceTest : public testing::TestWithParam<FurnaceCase> {};
 
 TEST_P(FurnaceTest, RadianceIsTheSameEverywhere) {
   const Scene scene(furnace(GetParam()));
@@ -54,15 +54,15 @@ TEST_P(FurnaceTest, RadianceIsTheSameEverywhere) {
 
 INSTANTIATE_TEST_SUITE_P(
     Integrators, FurnaceTest,
-    testing::Values(Case{"path_grey", IntegratorKind::path, C3f(0.5f), false, false},
-                    Case{"path_bright_mirror_glass", IntegratorKind::path, C3f(0.9f, 0.5f, 0.1f), true, true},
-                    Case{"twopass_grey", IntegratorKind::two_pass, C3f(0.5f), false, false},
-                    Case{"twopass_colour", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), false, false},
-                    Case{"twopass_mirror", IntegratorKind::two_pass, C3f(0.6f), true, false},
-                    Case{"twopass_mirror_glass", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), true, true},
-                    Case{"radiosity_grey", IntegratorKind::radiosity, C3f(0.5f), false, false},
-                    Case{"radiosity_mirror_glass", IntegratorKind::radiosity, C3f(0.5f), true, true}),
-    [](const testing::TestParamInfo<Case>& model) { return model.param.name; });
+    testing::Values(FurnaceCase{"path_grey", IntegratorKind::path, C3f(0.5f), false, false},
+                    FurnaceCase{"path_bright_mirror_glass", IntegratorKind::path, C3f(0.9f, 0.5f, 0.1f), true, true},
+                    FurnaceCase{"twopass_grey", IntegratorKind::two_pass, C3f(0.5f), false, false},
+                    FurnaceCase{"twopass_colour", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), false, false},
+                    FurnaceCase{"twopass_mirror", IntegratorKind::two_pass, C3f(0.6f), true, false},
+                    FurnaceCase{"twopass_mirror_glass", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), true, true},
+                    FurnaceCase{"radiosity_grey", IntegratorKind::radiosity, C3f(0.5f), false, false},
+                    FurnaceCase{"radiosity_mirror_glass", IntegratorKind::radiosity, C3f(0.5f), true, true}),
+    [](const testing::TestParamInfo<FurnaceCase>& model) { return model.param.name; });
 
 }  // namespace
 }  // namespace twopass

@@ -154,8 +154,9 @@ TEST(Layers, DirectLightIsThatOfTheIntegratorOfDirectLight) {
   }
   for (std::size_t k = 0; k < light_class_count; ++k)
     if (k != static_cast<std::size_t>(LightClass::background) &&
-        k != static_cast<std::size_t>(LightClass::transmission_direct))
+        k != static_cast<std::size_t>(LightClass::transmission_direct)) {
       EXPECT_GT(seen[k], 50) << "the test must meet light of class " << k;
+    }
 }
 
 // Where the solution is looked up the split is the path tracer's, too.

@@ -8,12 +8,12 @@ namespace {
 
 using json = nlohmann::json;
 
-std::vector<GltfPlace> places(const GltfWriter& writer) {
+std::vector<GltfPlace> places_of(const GltfWriter& writer) {
   Notes notes;
   return gltf_places(parse_gltf(writer.gltf(), "a.gltf", notes));
 }
 void refused(const GltfWriter& writer, std::initializer_list<std::string_view> parts) {
-  expect_error([&] { places(writer); }, parts);
+  expect_error([&] { places_of(writer); }, parts);
 }
 V3f moved(const M44d& m, const V3d& p) {
   V3d result;
@@ -25,7 +25,7 @@ TEST(GltfNodes, ScaledThenTurnedThenMoved) {
   GltfWriter w;
   const double h = std::sqrt(0.5);  // a quarter turn around z, quaternion of any length
   w.add_root({{"translation", {10, 20, 30}}, {"rotation", {0, 0, 2 * h, 2 * h}}, {"scale", {2, 3, 4}}});
-  const M44d m = places(w).at(0).to_world;
+  const M44d m = places_of(w).at(0).to_world;
   expect_near(moved(m, {1, 0, 0}), {10, 22, 30});
   expect_near(moved(m, {0, 1, 0}), {7, 20, 30});
   expect_near(moved(m, {0, 0, 1}), {10, 20, 34});
@@ -36,14 +36,14 @@ TEST(GltfNodes, AxesOfRotation) {
   GltfWriter w;
   w.add_root({{"rotation", {h, 0, 0, h}}});
   w.add_root({{"rotation", {0, h, 0, h}}});
-  expect_near(moved(places(w)[0].to_world, {0, 1, 0}), {0, 0, 1});  // around x: y to z
-  expect_near(moved(places(w)[1].to_world, {0, 0, 1}), {1, 0, 0});  // around y: z to x
+  expect_near(moved(places_of(w)[0].to_world, {0, 1, 0}), {0, 0, 1});  // around x: y to z
+  expect_near(moved(places_of(w)[1].to_world, {0, 0, 1}), {1, 0, 0});  // around y: z to x
 }
 
 TEST(GltfNodes, MatricesAreByColumns) {
   GltfWriter w;
   w.add_root({{"matrix", {0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 10, 20, 30, 1}}});
-  const M44d m = places(w).at(0).to_world;
+  const M44d m = places_of(w).at(0).to_world;
   expect_near(moved(m, {1, 1, 1}), {10 - 3, 20 + 2, 34});
   w.document["nodes"][0]["matrix"][3] = 1;
   refused(w, {"node 0 has a matrix that is not affine"});
@@ -57,7 +57,7 @@ TEST(GltfNodes, ChildrenMoveWithTheirParents) {
   w.add("nodes", {{"translation", {1, 0, 0}}, {"children", {3}}});
   w.add("nodes", {{"translation", {0, 1, 0}}});
   w.add("nodes", {{"translation", {0, 0, 1}}});
-  const std::vector<GltfPlace> all = places(w);
+  const std::vector<GltfPlace> all = places_of(w);
   ASSERT_EQ(all.size(), 4u);
   EXPECT_EQ(all[1].node, 1u);
   EXPECT_EQ(all[2].node, 3u);  // depth first
@@ -72,13 +72,13 @@ TEST(GltfNodes, WhichSceneCounts) {
   w.add("nodes", {{"name", "c"}});
   w.document["scenes"] = {{{"nodes", {2}}}, {{"nodes", {0}}}};
   w.document["scene"] = 1;
-  EXPECT_EQ(places(w).size(), 2u);
+  EXPECT_EQ(places_of(w).size(), 2u);
   w.document.erase("scene");
-  EXPECT_EQ(places(w).size(), 1u);
+  EXPECT_EQ(places_of(w).size(), 1u);
   w.document.erase("scenes");
-  EXPECT_EQ(places(w).size(), 3u);  // a library: all of it
+  EXPECT_EQ(places_of(w).size(), 3u);  // a library: all of it
   w.document["scene"] = 5;
-  EXPECT_EQ(places(w).size(), 3u);
+  EXPECT_EQ(places_of(w).size(), 3u);
   w.document["scenes"] = {{{"nodes", {2}}}};
   refused(w, {"'scene' refers to scene 5, but there are only 1"});
 }
@@ -108,7 +108,7 @@ TEST(GltfNodes, DepthIsNoProblem) {
   nodes.push_back({{"translation", {1, 0, 0}}});
   w.document["nodes"] = std::move(nodes);
   w.document["scenes"][0]["nodes"] = {0};
-  expect_near(moved(places(w).back().to_world, {0, 0, 0}), {depth + 1, 0, 0});
+  expect_near(moved(places_of(w).back().to_world, {0, 0, 0}), {depth + 1, 0, 0});
 }
 
 TEST(GltfNodes, TransformsThatAreNoneAreRefused) {

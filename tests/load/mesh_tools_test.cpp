@@ -5,7 +5,7 @@
 namespace twopass {
 namespace {
 
-Mesh triangle(const V3f& a, const V3f& b, const V3f& c) {
+Mesh lone_triangle(const V3f& a, const V3f& b, const V3f& c) {
   Mesh mesh;
   mesh.positions = {a, b, c};
   mesh.triangles.emplace_back(0u, 1u, 2u);
@@ -13,7 +13,7 @@ Mesh triangle(const V3f& a, const V3f& b, const V3f& c) {
 }
 
 TEST(MeshTools, TransformsPositionsAndNormals) {
-  Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1});
+  Mesh mesh = lone_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1});
   mesh.normals.assign(3, normal_of(mesh, 0));
   M44d squash;
   squash.setScale(V3d(2.0, 3.0, 0.5));
@@ -37,7 +37,7 @@ TEST(MeshTools, AttributesStayWithTheirVerticesAndTriangles) {
 }
 
 TEST(MeshTools, NormalsFollowTheFrontThroughAMirror) {
-  Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  Mesh mesh = lone_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.normals.assign(3, V3f(0, 0, 1));
   M44d mirror;
   mirror.setScale(V3d(-1.0, 1.0, 1.0));
@@ -50,7 +50,7 @@ TEST(MeshTools, NormalsFollowTheFrontThroughAMirror) {
 }
 
 TEST(MeshTools, NormalsSurviveFlattening) {
-  Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  Mesh mesh = lone_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.normals.assign(3, V3f(0, 0, 1));
   M44d flatten;
   flatten.setScale(V3d(1.0, 1.0, 0.0));
@@ -59,7 +59,7 @@ TEST(MeshTools, NormalsSurviveFlattening) {
 }
 
 TEST(MeshTools, RefusesCoordinatesOutOfRange) {
-  Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  Mesh mesh = lone_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   M44d blow;
   blow.setScale(V3d(1e13));
   expect_error([&] { transform(mesh, blow, "here"); }, {"here: a transformed coordinate is not finite"});
@@ -79,7 +79,7 @@ TEST(MeshTools, DropsTrianglesWithoutAreaAndWhatOnlyTheyUsed) {
 }
 
 TEST(MeshTools, KeepsSlivers) {
-  Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-6f, 0});
+  Mesh mesh = lone_triangle({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-6f, 0});
   EXPECT_EQ(drop_degenerate_triangles(mesh), 0u);
 }
 
@@ -94,7 +94,7 @@ TEST(MeshTools, SmoothNormalsWeighByAngle) {
 }
 
 TEST(MeshTools, TurnsTrianglesAfterTheirNormals) {
-  Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  Mesh mesh = lone_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   EXPECT_EQ(orient_by_normals(mesh), 0u);
   mesh.normals.assign(3, V3f(0, 0, -1));
   EXPECT_EQ(orient_by_normals(mesh), 1u);
@@ -103,7 +103,7 @@ TEST(MeshTools, TurnsTrianglesAfterTheirNormals) {
 }
 
 TEST(MeshTools, FlipTurnsEverything) {
-  Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  Mesh mesh = lone_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.normals.assign(3, V3f(0, 0, 1));
   flip(mesh);
   expect_near(mesh.normals[0], {0, 0, -1});
@@ -111,7 +111,7 @@ TEST(MeshTools, FlipTurnsEverything) {
 }
 
 TEST(MeshTools, DropsNormalsThatSayNothing) {
-  Mesh flat = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  Mesh flat = lone_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   flat.normals.assign(3, V3f(0, 0, 1));
   Mesh round = flat;
   round.normals[1] = V3f(0.1f, 0, 1).normalized();

@@ -5,33 +5,33 @@
 namespace twopass {
 namespace {
 
-ObjFile parse(const std::string& text) {
+ObjFile mesh_of_text(const std::string& text) {
   Notes notes;
   return parse_obj(text, "a.obj", notes);
 }
 Mesh smooth_mesh(const std::string& text) {
-  ObjFile file = parse(text);
+  ObjFile file = mesh_of_text(text);
   add_smooth_normals(file);
   return mesh_of(file);
 }
 
-const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+const std::string square_corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 /// The cube [-1, 1]^3 without faces, and its six faces, outwards.
 const std::string cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
 const std::string cube_faces = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 TEST(ObjMesh, SharesVerticesByAllTheirIndices) {
   const Mesh mesh =
-      mesh_of(parse(square + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 0.5\nf 1/1 2/2 3/3\nf 1/1 3/4 4/2\n"));
+      mesh_of(mesh_of_text(square_corners + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 0.5\nf 1/1 2/2 3/3\nf 1/1 3/4 4/2\n"));
   EXPECT_EQ(mesh.positions.size(), 5u);  // position 3 has two texture coordinates
   ASSERT_EQ(mesh.uvs.size(), 5u);
   EXPECT_EQ(mesh.uvs[1], V2f(1, 0));
   EXPECT_TRUE(mesh.normals.empty());
-  EXPECT_TRUE(mesh_of(parse(square + "f 1 2 3\n")).uvs.empty());
+  EXPECT_TRUE(mesh_of(mesh_of_text(square_corners + "f 1 2 3\n")).uvs.empty());
 }
 
 TEST(ObjMesh, CornersWithoutNormalsGetTheirFaces) {
-  const Mesh mesh = mesh_of(parse(square + "vn 0 0.6 0.8\nvn 0 0 0\nf 1//1 2//1 3\nf 1 3 4//2\n"));
+  const Mesh mesh = mesh_of(mesh_of_text(square_corners + "vn 0 0.6 0.8\nvn 0 0 0\nf 1//1 2//1 3\nf 1 3 4//2\n"));
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
   EXPECT_EQ(mesh.positions.size(), 6u);  // every face has its own
   expect_near(mesh.normals[0], {0, 0.6f, 0.8f});
@@ -39,7 +39,7 @@ TEST(ObjMesh, CornersWithoutNormalsGetTheirFaces) {
 }
 
 TEST(ObjMesh, TriangulatesConcaveFaces) {
-  const Mesh mesh = mesh_of(parse("v 0 0 0\nv 2 1 0\nv 0 2 0\nv 0.5 1 0\nf 1 2 3 4\n"));
+  const Mesh mesh = mesh_of(mesh_of_text("v 0 0 0\nv 2 1 0\nv 0 2 0\nv 0.5 1 0\nf 1 2 3 4\n"));
   EXPECT_NEAR(area_of(mesh), 1.5, 1e-6);
   for (std::size_t i = 0; i < 2; ++i) expect_near(normal_of(mesh, i), {0, 0, 1});
 }
@@ -57,7 +57,7 @@ TEST(ObjMesh, VerticesOfAGridAreShared) {
         text += (corner == a ? "f " : " ") + std::to_string(corner);
       text += '\n';
     }
-  const Mesh mesh = mesh_of(parse(text));
+  const Mesh mesh = mesh_of(mesh_of_text(text));
   EXPECT_EQ(mesh.positions.size(), std::size_t{(n + 1) * (n + 1)});
   EXPECT_NEAR(area_of(mesh), n * n, 1e-3);
 }

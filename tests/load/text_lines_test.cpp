@@ -49,7 +49,8 @@ TEST_F(LineReaderOnDisk, LinesAreTheSameThroughTheBuffer) {
   std::mt19937 random(5);
   std::string text = "\xEF\xBB\xBF";
   for (int i = 0; i < 150000; ++i) text += "a \\\r\n\r\nb#\n"[random() % 10];
-  text += std::string(1000000, 'x') + "\r\n";
+  text.append(1000000, 'x');
+  text += "\r\n";
   for (int i = 0; i < 300000; ++i) text += "ab\r\n\n"[random() % 5];
   for (const char* end : {"", "\r", "\\"}) {
     RegularFile file(write("a.txt", text + end));

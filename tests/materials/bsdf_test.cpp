@@ -17,12 +17,8 @@ namespace twopass {
 namespace {
 
 using test::Case;
+using test::direction;
 using test::FacetGrid;
-
-V3f direction(float cos_theta, float phi) {
-  const float s = std::sqrt(std::max(0.0f, 1.0f - cos_theta * cos_theta));
-  return {s * std::cos(phi), s * std::sin(phi), cos_theta};
-}
 
 const float cosines[] = {1.0f, 0.9f, 0.5f, 0.1f, 1e-3f, 1e-6f};
 // Views for the tests that count: from above, oblique, nearly grazing, each at another azimuth.

@@ -10,6 +10,12 @@
 
 namespace twopass::test {
 
+/// The unit vector at this angle to +z and this azimuth, radians.
+inline V3f direction(float cos_theta, float phi) {
+  const float s = std::sqrt(std::max(0.0f, 1.0f - cos_theta * cos_theta));
+  return {s * std::cos(phi), s * std::sin(phi), cos_theta};
+}
+
 class FacetGrid {
  public:
   /// Slopes are measured in units of alpha. `eta` as in Case: with 0, directions below are those above,

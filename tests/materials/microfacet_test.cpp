@@ -10,7 +10,7 @@
 namespace twopass {
 namespace {
 
-V3f direction(double cosine, double phi) {
+V3f at_angles(double cosine, double phi) {
   const double s = std::sqrt(1.0 - cosine * cosine);
   return V3f(V3d(s * std::cos(phi), s * std::sin(phi), cosine));
 }
@@ -23,7 +23,7 @@ const Roughness surfaces[] = {{Microfacet::beckmann, 1e-4f, 1e-4f}, {Microfacet:
                               {Microfacet::beckmann, 1.0f, 1.0f},   {Microfacet::beckmann, 0.05f, 0.6f},
                               {Microfacet::ggx, 1e-4f, 1e-4f},      {Microfacet::ggx, 0.1f, 0.1f},
                               {Microfacet::ggx, 1.0f, 1.0f},        {Microfacet::ggx, 0.05f, 0.6f}};
-const float cosines[] = {1.0f, 0.8f, 0.3f, 0.01f, 1e-4f};
+const float cosines_of_views[] = {1.0f, 0.8f, 0.3f, 0.01f, 1e-4f};
 
 // The sum of visit(m) over all facet normals, on a grid in slopes that is logarithmic in their length.
 template <class Visit>
@@ -55,8 +55,8 @@ TEST(Microfacet, FacetsCoverTheSurface) {
 // 0.35 % for Beckmann's masking.
 TEST(Microfacet, VisibleFacetsCoverTheProjectedSurface) {
   for (const Roughness& s : surfaces)
-    for (const float c : cosines) {
-      const V3f wo = direction(c, 0.7);
+    for (const float c : cosines_of_views) {
+      const V3f wo = at_angles(c, 0.7);
       const MicrofacetDistribution facets(s.type, s.u, s.v);
       const double drawn = integral_over_facets(s, [&](const V3f& m) { return facets.pdf_w(wo, m); });
       EXPECT_NEAR(drawn, 1.0, 1e-3) << s.u << " " << s.v << " cosine " << c;
@@ -73,7 +73,7 @@ TEST(Microfacet, KnownDensities) {
     EXPECT_NEAR(MicrofacetDistribution(type, 0.5f, 0.2f).density(V3f(0, 0, 1)), 1.0 / (pi * 0.1), 1e-5);
   // At 45 degrees along u: exp(-1 / alpha^2) / (pi alpha_u alpha_v cos^4), and 1 / (pi alpha^2 cos^4 (1 + 1 /
   // alpha^2)^2).
-  const V3f m = direction(std::sqrt(0.5), 0.0);
+  const V3f m = at_angles(std::sqrt(0.5), 0.0);
   EXPECT_NEAR(MicrofacetDistribution(Microfacet::beckmann, 0.5f, 0.2f).density(m),
               4.0 * std::exp(-4.0) / (pi * 0.1), 1e-6);
   EXPECT_NEAR(MicrofacetDistribution(Microfacet::ggx, 0.5f, 0.2f).density(m), 4.0 / (pi * 0.1 * 25.0), 1e-6);
@@ -81,7 +81,7 @@ TEST(Microfacet, KnownDensities) {
 
 TEST(Microfacet, KnownMasking) {
   // GGX of roughness 1 at 45 degrees: 2 / (1 + sqrt(2)).
-  const V3f v = direction(std::sqrt(0.5), 1.0), m(0, 0, 1);
+  const V3f v = at_angles(std::sqrt(0.5), 1.0), m(0, 0, 1);
   EXPECT_NEAR(MicrofacetDistribution(Microfacet::ggx, 1.0f, 1.0f).masking(v, m), 2.0 / (1.0 + std::sqrt(2.0)),
               1e-6);
   // Beckmann there, a = 1: 2 / (1 + erf(1) + exp(-1) / sqrt(pi)), to 0.35 %.
@@ -91,7 +91,7 @@ TEST(Microfacet, KnownMasking) {
   // The backs of facets are not seen.
   EXPECT_EQ(MicrofacetDistribution(Microfacet::ggx, 1.0f, 1.0f).masking(v, -v), 0.0f);
   EXPECT_EQ(
-      MicrofacetDistribution(Microfacet::ggx, 1.0f, 1.0f).masking(direction(0.2, 0.0), direction(0.5, pi)),
+      MicrofacetDistribution(Microfacet::ggx, 1.0f, 1.0f).masking(at_angles(0.2, 0.0), at_angles(0.5, pi)),
       0.0f);
 }
 
@@ -101,7 +101,7 @@ TEST(Microfacet, SampledNormalsFollowTheDensityEverywhere) {
   for (const Roughness& s : surfaces)
     for (const float c : {0.99f, 0.5f, 0.1f}) {
       const MicrofacetDistribution facets(s.type, s.u, s.v);
-      const V3f wo = direction(c, 0.7);
+      const V3f wo = at_angles(c, 0.7);
       for (const float x : {0.1f, 0.45f, 0.8f, 0.95f})
         for (const float y : {0.07f, 0.33f, 0.6f, 0.9f}) {
           const V3f dx = facets.sample(wo, V2f(x + h, y)) - facets.sample(wo, V2f(x - h, y)),
@@ -122,7 +122,7 @@ TEST(Microfacet, CornersOfTheSquareGiveFacetsThatAreSeen) {
       for (const float x : {0.0f, 0x1p-24f, 0.5f, below_one})
         for (const float y : {0.0f, 0.25f, 0.5f, below_one}) {
           const MicrofacetDistribution facets(s.type, s.u, s.v);
-          const V3f wo = direction(c, 0.7), m = facets.sample(wo, V2f(x, y));
+          const V3f wo = at_angles(c, 0.7), m = facets.sample(wo, V2f(x, y));
           ASSERT_TRUE(is_finite(m) && m.z >= 0.0f) << s.u << " " << s.v << " " << c << " at " << x << ", " << y;
           ASSERT_NEAR(m.length(), 1.0f, 1e-6f);
           ASSERT_GT(wo.dot(m), -1e-6f);
@@ -157,7 +157,7 @@ TEST(Microfacet, DensitiesOfDirectionsAreThoseOfFacetsOverTheStretch) {
       for (const double c : {0.95, 0.6, 0.3})
         for (const double mc : {0.99, 0.9, 0.7}) {
           const MicrofacetDistribution facets(type, 0.3f, 0.5f);
-          const V3d wo(direction(c, 0.7)), m(direction(mc, 1.1));
+          const V3d wo(at_angles(c, 0.7)), m(at_angles(mc, 1.1));
           const float visible = facets.pdf_w(V3f(wo), V3f(m));
           float cos_t;
           const float fresnel = fresnel_dielectric(static_cast<float>(wo.dot(m)), eta, cos_t);

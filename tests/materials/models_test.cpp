@@ -13,10 +13,7 @@
 namespace twopass {
 namespace {
 
-V3f direction(float cos_theta, float phi) {
-  const float s = std::sqrt(std::max(0.0f, 1.0f - cos_theta * cos_theta));
-  return {s * std::cos(phi), s * std::sin(phi), cos_theta};
-}
+using test::direction;
 
 /// Mean weight by channel over samples, and of those, of Dirac deltas, transmission and reflection.
 struct Means {

@@ -19,10 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_installed(const std::string& tool) {
-  return std::system(("command -v " + tool + " >/dev/null 2>&1").c_str()) == 0;
-}
-
 class Colors : public Program {
  protected:
   // Diffuse surfaces in many colours and a texture, under one lamp. Light bounces once.

@@ -11,10 +11,6 @@
 namespace twopass {
 namespace {
 
-bool is_installed(const std::string& tool) {
-  return std::system(("command -v " + tool + " >/dev/null 2>&1").c_str()) == 0;
-}
-
 class Headers : public Program {
  protected:
   void SetUp() override {

@@ -188,9 +188,10 @@ TEST_F(LayerFiles, HeadersAreWhatProgramsExpect) {
   EXPECT_TRUE(Imf::hasChromaticities(parts.header()));
   EXPECT_NE(parts.header().find("twopass/seconds"), parts.header().end());
   for (int p = 0; p < parts.file.parts(); ++p)
-    if (const std::string name = parts.header(p).name(); name == "N" || name == "CryptoObject00")
+    if (const std::string name = parts.header(p).name(); name == "N" || name == "CryptoObject00") {
       EXPECT_EQ(parts.header(p).findTypedAttribute<Imf::StringAttribute>("colorInteropID")->value(), "data")
           << name;
+    }
 }
 
 // Known points of the scene land in the pixels that show them, by the matrices in the file.

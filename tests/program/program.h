@@ -16,6 +16,10 @@
 
 namespace twopass {
 
+inline bool is_installed(const std::string& tool) {
+  return std::system(("command -v " + tool + " >/dev/null 2>&1").c_str()) == 0;
+}
+
 struct Outcome {
   int exit_code;
   std::string out, err;

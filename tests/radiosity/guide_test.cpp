@@ -11,7 +11,7 @@
 namespace twopass {
 namespace {
 
-Solution solve(const Scene& scene, std::size_t elements = 1500) {
+Solution solve_coarsely(const Scene& scene, std::size_t elements = 1500) {
   RadiosityOptions options;
   options.max_elements = elements;
   options.rays_per_element = 64;
@@ -32,14 +32,14 @@ struct Places {
   std::vector<SurfacePoint> points;
 
   explicit Places(SceneDescription description)
-      : scene(std::move(description)), solution(solve(scene)), guide(scene, solution) {
+      : scene(std::move(description)), solution(solve_coarsely(scene)), guide(scene, solution) {
     for (const V3f& direction : {V3f(0, 0.2f, -1), V3f(0, 0.2f, 1), V3f(1, 0.1f, 0), V3f(-1, 0.1f, 0.3f),
                                  V3f(0.3f, 1, 0.1f), V3f(0.21f, 0.5f, -0.31f)})
       points.push_back(seen(scene, V3f(0.5f, 0.1f, 0.7f), direction));
   }
 };
 
-SceneDescription room_with_ball() {
+SceneDescription room_around_a_ball() {
   SceneDescription scene = test::lit_room();
   test::add_diffuse(scene, "ball", Sphere{V3f(0.7f, 0.6f, 0.4f), 0.15f, false}, C3f(0.5f));
   return scene;
@@ -60,7 +60,7 @@ double integral(const Guide::Lobe& lobe, const V3f& normal) {
 }
 
 TEST(Guide, DensitiesIntegrateToOne) {
-  const Places places(room_with_ball());
+  const Places places(room_around_a_ball());
   for (const SurfacePoint& point : places.points) {
     const Guide::Lobe lobe = places.guide.at(point);
     ASSERT_FALSE(lobe.empty());
@@ -71,7 +71,7 @@ TEST(Guide, DensitiesIntegrateToOne) {
 }
 
 TEST(Guide, SamplesFollowTheDensity) {
-  const Places places(room_with_ball());
+  const Places places(room_around_a_ball());
   constexpr int n = 200000, cells = 16;
   for (std::size_t i = 0; i < places.points.size(); ++i) {
     const V3f normal = places.points[i].geometric_normal;
@@ -106,7 +106,7 @@ TEST(Guide, SamplesFollowTheDensity) {
 }
 
 TEST(Guide, TellsTheDensityOfWhatItDraws) {
-  const Places places(room_with_ball());
+  const Places places(room_around_a_ball());
   for (const SurfacePoint& point : places.points) {
     const Guide::Lobe lobe = places.guide.at(point);
     Sampler sampler(8, 0, 0, SamplerKind::independent);
@@ -129,7 +129,7 @@ TEST(Guide, PointsAtTheBrightSurface) {
   test::add_diffuse(description, "lamp", test::quad(V3f(0.4f, 0.4f, 0.8f), V3f(0.2f, 0, 0), V3f(0, 0.2f, 0)),
                     C3f(0.3f), C3f(10.0f));
   const Scene scene(std::move(description));
-  const Solution solution = solve(scene);
+  const Solution solution = solve_coarsely(scene);
   const Guide guide(scene, solution);
   const SurfacePoint floor = seen(scene, V3f(0.1f, 0.1f, 0.5f), V3f(0, 0, -1));
   const Guide::Lobe lobe = guide.at(floor);
@@ -148,7 +148,7 @@ TEST(Guide, SeesThroughMirrors) {
   test::add_diffuse(description, "lamp", test::quad(V3f(-0.1f, -0.1f, 0.5f), V3f(0.2f, 0, 0), V3f(0, 0.2f, 0)),
                     C3f(0.0f), C3f(10.0f));
   const Scene scene(std::move(description));
-  const Solution solution = solve(scene);
+  const Solution solution = solve_coarsely(scene);
   const Guide guide(scene, solution, {.cell_size = 0.1f, .rays_per_bin = 64});
   const SurfacePoint floor = seen(scene, V3f(0.6f, 0.0f, 0.5f), V3f(0, 0, -1));
   const Guide::Lobe lobe = guide.at(floor);
@@ -163,16 +163,16 @@ TEST(Guide, IsEmptyWhereNoLightArrivesOrNothingReflects) {
   test::add_diffuse(description, "dark", test::quad(V3f(far, 0, 0), V3f(1, 0, 0), V3f(0, 1, 0)), C3f(0.5f));
   test::add_diffuse(description, "black", test::quad(V3f(far, 2, 0), V3f(1, 0, 0), V3f(0, 1, 0)), C3f(0.0f));
   const Scene scene(std::move(description));
-  const Solution solution = solve(scene);
+  const Solution solution = solve_coarsely(scene);
   const Guide guide(scene, solution);
   EXPECT_TRUE(guide.at(seen(scene, V3f(far + 0.5f, 0.5f, 1), V3f(0, 0, -1))).empty());
   EXPECT_TRUE(guide.at(seen(scene, V3f(far + 0.5f, 2.5f, 1), V3f(0, 0, -1))).empty());
 }
 
 TEST(Guide, IsTheSameOnAnyNumberOfThreads) {
-  const Scene scene(room_with_ball());
-  const Solution solution = solve(scene);
-  const Places places(room_with_ball());
+  const Scene scene(room_around_a_ball());
+  const Solution solution = solve_coarsely(scene);
+  const Places places(room_around_a_ball());
   std::vector<std::vector<float>> densities;
   for (const int threads : {1, 3}) {
     const ThreadLimit limit(threads);
@@ -187,13 +187,13 @@ TEST(Guide, IsTheSameOnAnyNumberOfThreads) {
 
 // Where nobody asks there is no guide, and elsewhere it is the same.
 TEST(Guide, IsMadeOnlyWhereItIsWanted) {
-  const Scene scene(room_with_ball());
-  const Solution solution = solve(scene);
+  const Scene scene(room_around_a_ball());
+  const Solution solution = solve_coarsely(scene);
   GuideOptions options;
   options.wanted.assign(solution.mesh().count(), false);
   const Guide all(scene, solution), none(scene, solution, options);
   EXPECT_EQ(none.rays(), 0u);
-  const Places places(room_with_ball());
+  const Places places(room_around_a_ball());
   const SurfacePoint& point = places.points.front();
   options.wanted[solution.mesh().find(point)] = true;
   const Guide one(scene, solution, options);
@@ -208,8 +208,8 @@ TEST(Guide, IsMadeOnlyWhereItIsWanted) {
 }
 
 TEST(Guide, HasNoMoreCellsThanAllowed) {
-  const Scene scene(room_with_ball());
-  const Solution solution = solve(scene);
+  const Scene scene(room_around_a_ball());
+  const Solution solution = solve_coarsely(scene);
   EXPECT_LE(Guide(scene, solution, {.max_cells = 50, .rays_per_bin = 1}).cell_count(), 50u);
 }
 

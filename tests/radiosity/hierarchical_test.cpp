@@ -21,7 +21,7 @@ SceneDescription room_with_ball() {
   return scene;
 }
 
-SceneDescription mirror_room() {
+SceneDescription room_with_mirror() {
   SceneDescription scene = test::lit_room();
   scene.materials[2] = one_sided("mirror", Conductor{});
   return scene;
@@ -218,7 +218,7 @@ TEST(Hierarchical, ApproachesTheExactSolutionWithinItsBound) {
       {"room", test::lit_room()},     {"bright room", test::lit_room(0.95f)},
       {"cube", test::lit_cube(0.5f)}, {"plates", test::plates(0.1f, 0.5f)},
       {"ball", room_with_ball()},     {"spheres", test::concentric_spheres(0.5f)},
-      {"mirror room", mirror_room()}, {"crowd", crowded_room(150)}};
+      {"mirror room", room_with_mirror()}, {"crowd", crowded_room(150)}};
   for (const auto& [name, description] : scenes) {
     const Scene scene(description);
     const bool sums_are_known = name != "mirror room" && name != "crowd";
@@ -291,7 +291,7 @@ TEST(Hierarchical, CutsOffAfterTheReflectionsAskedFor) {
 }
 
 TEST(Hierarchical, IsTheSameBitForBitOnAnyNumberOfThreads) {
-  const Scene scene(mirror_room());
+  const Scene scene(room_with_mirror());
   const auto run = [&](int threads) {
     const ThreadLimit limit(threads);
     return solve_radiosity(scene, hierarchical(400, 0.05));

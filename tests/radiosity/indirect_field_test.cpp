@@ -57,9 +57,9 @@ TEST(IndirectField, IsConstantInAFurnace) {
   const C3f albedo(0.7f, 0.5f, 0.3f);
   const Scene scene(test::furnace_room(albedo, 2.0f));
   const Solution solution = solve(scene, 4000);
-  const IndirectField field(scene, solution);
-  EXPECT_GT(field.share(Known::indirect), 0.4);
-  EXPECT_GT(field.rays(), 0u);
+  const IndirectField by_default(scene, solution);
+  EXPECT_GT(by_default.share(Known::indirect), 0.4);
+  EXPECT_GT(by_default.rays(), 0u);
   for (const double tolerance : {0.005, 0.0}) {  // with and without direct light
     const IndirectField field(scene, solution, {.direct_tolerance = tolerance});
     const auto found = field.at(point_below(scene, V3f(0.5f), V3f(0.1f, 0.2f, -1)));

@@ -99,7 +99,7 @@ TEST_F(MeshFiles, GlbHoldsTheCamera) {
   const LoadedScene loaded = load_scene(file("a.glb"), {});
   ASSERT_TRUE(loaded.scene.camera);
   const Camera before(camera, 64, 64), after(*loaded.scene.camera, 64, 64);
-  for (const V2f pixel : {V2f(0, 0), V2f(64, 10), V2f(32, 32)}) {
+  for (const V2f& pixel : {V2f(0, 0), V2f(64, 10), V2f(32, 32)}) {
     const Ray a = before.ray(pixel).ray, b = after.ray(pixel).ray;
     EXPECT_LT((a.direction - b.direction).length(), 1e-5f);
     EXPECT_LT((a.origin - b.origin).length(), 1e-5f);

@@ -123,7 +123,10 @@ TEST(TimeToError, LiesOnTheStraightLineOfLogarithms) {
 BenchResults some_results() {
   BenchResults results;
   results.command = "twopass bench";
-  BenchScene scene{.name = "a,\"b\"<script>", .width = width, .height = height};
+  BenchScene scene;
+  scene.name = "a,\"b\"<script>";
+  scene.width = width;
+  scene.height = height;
   scene.reference = reference_of_ones(0.01, 1);
   for (const char* method : {"path", "twopass"}) {
     SeriesCollector collector(scene.name, method, scene.reference);

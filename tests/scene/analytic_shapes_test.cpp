@@ -162,7 +162,7 @@ TEST(AnalyticShapes, TextureCoordinatesAndTheirDerivatives) {
   }
 }
 
-test::Estimate irradiance(const Lights& lights, const V3f& p, const V3f& n, int samples) {
+test::Estimate irradiance_from(const Lights& lights, const V3f& p, const V3f& n, int samples) {
   test::Estimate e;
   for (int i = 0; i < samples; ++i) {
     const LightSample s = lights.sample({p, n, true}, Sampler(5, static_cast<std::uint32_t>(i), 0).next_2d());
@@ -175,9 +175,9 @@ test::Estimate irradiance(const Lights& lights, const V3f& p, const V3f& n, int 
 TEST(AnalyticShapes, DiskLampGivesItsExactIrradiance) {
   for (const float h : {0.3f, 1.0f, 4.0f}) {
     const Scene scene = scene_of(Disk{V3f(0, 0, h), V3f(2, 0, 0), V3f(0, -2, 0), false}, 3.0f);
-    const test::Estimate e = irradiance(scene.lights(), V3f(0.0f), V3f(0, 0, 1), 100000);
+    const test::Estimate e = irradiance_from(scene.lights(), V3f(0.0f), V3f(0, 0, 1), 100000);
     EXPECT_NEAR(e.mean(), 3.0 * pi * 4.0 / (4.0 + h * h), 5 * e.standard_error()) << h;
-    EXPECT_EQ(irradiance(scene.lights(), V3f(0, 0, 2 * h), V3f(0, 0, -1), 100).mean(), 0.0);  // its dark back
+    EXPECT_EQ(irradiance_from(scene.lights(), V3f(0, 0, 2 * h), V3f(0, 0, -1), 100).mean(), 0.0);  // its dark back
   }
 }
 
@@ -186,13 +186,13 @@ TEST(AnalyticShapes, DiskLampGivesItsExactIrradiance) {
 TEST(AnalyticShapes, CylinderLampGivesItsExactIrradiance) {
   Cylinder cylinder{V3f(0.0f), 1.0f, 1.5f, false, {V3f(1, 0, 0), V3f(0, 1, 0), V3f(0, 0, 1)}};
   const Scene outside = scene_of(cylinder, 3.0f);
-  const test::Estimate e = irradiance(outside.lights(), V3f(2, 0, 0), V3f(-1, 0, 0), 100000);
+  const test::Estimate e = irradiance_from(outside.lights(), V3f(2, 0, 0), V3f(-1, 0, 0), 100000);
   EXPECT_NEAR(e.mean(), 3.0 * pi * 0.22363731610152487, 5 * e.standard_error());
   EXPECT_LT(std::sqrt(e.variance()) / e.mean(), 1.2);  // only what is in view is sampled: else 1.8
   // In the middle of the axis and facing along it: all but the opening, r^2 / (r^2 + (l/2)^2).
   cylinder.inward = true;
   const Scene inside = scene_of(cylinder, 3.0f);
-  const test::Estimate within = irradiance(inside.lights(), V3f(0, 0, 0.75f), V3f(0, 0, 1), 100000);
+  const test::Estimate within = irradiance_from(inside.lights(), V3f(0, 0, 0.75f), V3f(0, 0, 1), 100000);
   EXPECT_NEAR(within.mean(), 3.0 * pi * (1.0 - 1.0 / (1.0 + 0.75 * 0.75)), 5 * within.standard_error());
 }
 

@@ -189,7 +189,7 @@ TEST(Camera, MatricesOfOpenExrProjectPointsToTheirPixels) {
         to_camera.multVecMatrix(point, at);
         EXPECT_GT(at.z, 0.0);
         // To the right of the axis is x > 0, above it y > 0.
-        if (pixel == V2f(64, 48)) EXPECT_TRUE(at.x > 0.0 && at.y < 0.0);
+        EXPECT_TRUE(pixel != V2f(64, 48) || (at.x > 0.0 && at.y < 0.0));
       }
     V3d origin;
     to_camera.multVecMatrix(V3d(1, 2, 3), origin);

@@ -7,7 +7,7 @@
 namespace twopass {
 namespace {
 
-SceneDescription cube() { return test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f)); }
+SceneDescription white_cube() { return test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f)); }
 
 SceneDescription moved(SceneDescription scene, const V3f& offset, float scale) {
   for (Shape& shape : scene.shapes) {
@@ -29,11 +29,11 @@ void expect_same(const SceneDescription& a, const SceneDescription& b) {
 
 TEST(CentredScene, ComesBackFromFarAwayAndFromAnySize) {
   for (const float scale : {0x1p-90f, 0x1p-20f, 1.0f, 0x1p20f}) {
-    const SceneDescription far = moved(cube(), V3f(8192, -4096, 16384) * scale, scale);
+    const SceneDescription far = moved(white_cube(), V3f(8192, -4096, 16384) * scale, scale);
     const SceneDescription back = centred(far);
     EXPECT_EQ(back.frame.unit, static_cast<double>(scale));
     // The negative coordinate leaves the cube on the other side of its plane of symmetry.
-    expect_same(moved(back, V3f(0, 1, 0), 1.0f), cube());
+    expect_same(moved(back, V3f(0, 1, 0), 1.0f), white_cube());
     for (std::size_t s = 0; s < far.shapes.size(); ++s)
       for (std::size_t k = 0; k < 4; ++k)
         EXPECT_EQ(back.frame.to_world(std::get<Mesh>(back.shapes[s].geometry).positions[k]),
@@ -43,7 +43,7 @@ TEST(CentredScene, ComesBackFromFarAwayAndFromAnySize) {
 }
 
 TEST(CentredScene, LeavesAloneWhatWouldLoseDigits) {
-  const SceneDescription around_origin = moved(cube(), V3f(-0.25f, 0.0f, 0.75f), 1.0f);
+  const SceneDescription around_origin = moved(white_cube(), V3f(-0.25f, 0.0f, 0.75f), 1.0f);
   expect_same(centred(around_origin), around_origin);
   EXPECT_TRUE(centred({}).shapes.empty());
 }
@@ -61,7 +61,7 @@ TEST(CentredScene, MovesSpheresToo) {
 
 // What a light sends to a point, and how brightly, does not depend on the unit of length.
 TEST(CentredScene, TakesLightsAlong) {
-  SceneDescription scene = moved(cube(), V3f(4096, 0, 0), 1.0f);
+  SceneDescription scene = moved(white_cube(), V3f(4096, 0, 0), 1.0f);
   for (Shape& shape : scene.shapes)
     for (V3f& p : std::get<Mesh>(shape.geometry).positions) p *= 0x1p-30f;
   const V3f above = V3f(4096.5f, 0.5f, 0.75f) * 0x1p-30f;
@@ -83,7 +83,7 @@ TEST(CentredScene, TakesLightsAlong) {
 
 // Pixels show the same points of the world.
 TEST(CentredScene, TakesTheCameraAlong) {
-  SceneDescription scene = moved(cube(), V3f(4096, 0, 0), 1.0f);
+  SceneDescription scene = moved(white_cube(), V3f(4096, 0, 0), 1.0f);
   for (Shape& shape : scene.shapes)
     for (V3f& p : std::get<Mesh>(shape.geometry).positions) p *= 0x1p10f;
   for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
@@ -113,7 +113,7 @@ TEST(CentredScene, TakesTheCameraAlong) {
 
 // A bump map has heights; in other units they are other numbers.
 TEST(CentredScene, TakesBumpMapsAlong) {
-  SceneDescription scene = moved(cube(), V3f(0.0f), 0x1p20f);
+  SceneDescription scene = moved(white_cube(), V3f(0.0f), 0x1p20f);
   const auto plain = MaterialSide(Diffuse{C3f(0.5f)}).node();
   const auto bumpy =
       std::make_shared<const MaterialNode>(MaterialNode{BumpMap{Texture(C3f(0.5f)), 3.0f, {}, plain}});
