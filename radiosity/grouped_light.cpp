@@ -2,19 +2,26 @@
 
 namespace twopass {
 
-GroupedLight::GroupedLight(const Scene& scene, const LightGroups& groups, const Solution& solution,
-                           const RadiosityOptions& options, bool with_field,
-                           const IndirectFieldOptions& field_options) {
-  solutions_.reserve(groups.size());  // fields point into them
-  IndirectFieldOptions indirect = field_options;
-  indirect.with_direct = false;
+GroupedIrradiance solve_by_group(const Scene& scene, const LightGroups& groups, const Solution& solution,
+                                 const RadiosityOptions& options) {
+  GroupedIrradiance grouped;
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     const Scene lit(groups.lit_by(scene.description(), g));
     const Solution of_group = solve_radiosity_on(lit, solution.mesh(), options);
-    // On the mesh of all: that of the group ends with its scene.
     const std::span<const Irradiance> irradiance = of_group.irradiances();
-    solutions_.emplace_back(solution.mesh(), std::vector<Irradiance>(irradiance.begin(), irradiance.end()),
-                            of_group.stats());
+    grouped.names.push_back(groups.names()[g]);
+    grouped.by_group.emplace_back(irradiance.begin(), irradiance.end());
+  }
+  return grouped;
+}
+
+GroupedLight::GroupedLight(const Scene& scene, const Solution& solution, GroupedIrradiance groups,
+                           bool with_field, const IndirectFieldOptions& field_options) {
+  solutions_.reserve(groups.by_group.size());  // fields point into them
+  IndirectFieldOptions indirect = field_options;
+  indirect.with_direct = false;
+  for (std::vector<Irradiance>& irradiance : groups.by_group) {
+    solutions_.emplace_back(solution.mesh(), std::move(irradiance), solution.stats());
     if (with_field) fields_.emplace_back(scene, solutions_.back(), indirect);
   }
 }

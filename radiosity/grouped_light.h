@@ -17,15 +17,18 @@ enum class LookUp : std::uint8_t {
   lamps     ///< that light
 };
 
-/// A solution for each light group, on the elements of the solution of all lights (R45). Light is linear, so
-/// that they add up to it, within the errors of the solvers; what is divided by them adds up exactly. Const and
-/// thread-safe once built.
+/// Solves once a group, on the elements of the solution of all lights (R45). Light is linear, so that the groups add
+/// up to it, within the errors of the solvers. REQUIRES: `solution` is of the scene; options as for it. Throws what
+/// solve_radiosity throws.
+GroupedIrradiance solve_by_group(const Scene& scene, const LightGroups& groups, const Solution& solution,
+                                 const RadiosityOptions& options);
+
+/// A solution for each light group; what is divided by them adds up exactly. Const and thread-safe once built.
 class GroupedLight {
  public:
-  /// Solves once a group, and prepares an IndirectField a group if `with_field`. REQUIRES: scene and groups
-  /// outlive this; `solution` is of the scene; options as for it. Throws what solve_radiosity throws.
-  GroupedLight(const Scene& scene, const LightGroups& groups, const Solution& solution,
-               const RadiosityOptions& options, bool with_field,
+  /// Prepares an IndirectField a group if `with_field`. REQUIRES: the scene outlives this; `solution` is of the
+  /// scene, and so are the groups, on its elements.
+  GroupedLight(const Scene& scene, const Solution& solution, GroupedIrradiance groups, bool with_field,
                const IndirectFieldOptions& field_options = {});
 
   /// Adds to each group its part of `radiance`, in proportion to what a look-up at the point finds of it. Where

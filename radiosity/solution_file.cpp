@@ -19,7 +19,7 @@ namespace twopass {
 namespace {
 
 constexpr char magic[8] = {'\x89', '2', 'p', 'a', 's', 's', '\r', '\n'};  // spoilt by whoever takes it for text
-constexpr std::uint32_t format_version = 2;
+constexpr std::uint32_t format_version = 3;
 constexpr std::size_t checksum_size = 4;
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
@@ -159,10 +159,11 @@ std::span<const std::byte> checked_content(const std::filesystem::path& path, st
   if (header.version > format_version)
     throw Error(path.string(), "written by a newer version of the program",
                 "use that version, or make it again with twopass solve");
+  if (header.version < format_version) refuse(path, "the file is damaged, or of an older version of the program");
   if (header.size > bytes.size()) refuse(path, "the file is incomplete");
   std::uint32_t checksum;
   std::memcpy(&checksum, bytes.data() + bytes.size() - checksum_size, checksum_size);
-  if (header.version != format_version || header.size != bytes.size() ||
+  if (header.size != bytes.size() ||
       crc32_of(bytes.first(bytes.size() - checksum_size)) != checksum)
     refuse(path, "the file is damaged");
   return bytes.subspan(sizeof header, bytes.size() - sizeof header - checksum_size);
@@ -206,7 +207,8 @@ std::uint64_t solution_fingerprint(const Solution& solution) {
 }
 
 std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& solution,
-                                         const std::vector<std::byte>& display) {
+                                         const std::vector<std::byte>& display,
+                                         const GroupedIrradiance& groups) {
   Writer write;
   Header header{};
   std::memcpy(header.magic, magic, sizeof magic);
@@ -220,6 +222,8 @@ std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& sol
   visit_mesh(mesh, write);
   write(as_numbers(solution.irradiances()));
   visit_stats(solution.stats(), write);
+  write(groups.names);
+  for (const std::vector<Irradiance>& irradiance : groups.by_group) write(as_numbers(irradiance));
   std::vector<std::byte>& bytes = write.bytes();
   header.size = bytes.size() + checksum_size;
   std::memcpy(bytes.data(), &header, sizeof header);
@@ -228,7 +232,7 @@ std::vector<std::byte> solution_to_bytes(const Scene& scene, const Solution& sol
 }
 
 Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scene,
-                             const std::filesystem::path& where) {
+                             const std::filesystem::path& where, GroupedIrradiance* groups) {
   Header header;
   Reader read(checked_content(where, bytes, header));
   if (header.fingerprint != scene_fingerprint(scene))
@@ -243,23 +247,33 @@ Solution solution_from_bytes(std::span<const std::byte> bytes, const Scene& scen
   visit_mesh(saved, read);
   read(irradiance);
   visit_stats(stats, read);
+  std::vector<std::string> names;
+  read(names);
+  std::vector<std::vector<float>> by_group(names.size());
+  for (std::vector<float>& numbers : by_group) read(numbers);
   // A file with the right checksum that nobody but a forger can have written: still no reason to crash.
   if (!read.complete()) refuse(where, "the file is damaged");
   std::optional<ElementMesh> mesh = ElementMesh::restore(scene.shapes(), scene.description().materials, saved);
-  if (!mesh || 6 * mesh->count() != irradiance.size() || !all_finite(irradiance))
-    refuse(where, "the file is damaged");
+  const auto fits = [&](const std::vector<float>& numbers) {
+    return 6 * mesh->count() == numbers.size() && all_finite(numbers);
+  };
+  if (!mesh || !fits(irradiance) || !std::ranges::all_of(by_group, fits)) refuse(where, "the file is damaged");
+  if (groups != nullptr) {
+    *groups = {std::move(names), {}};
+    for (const std::vector<float>& numbers : by_group) groups->by_group.push_back(from_numbers(numbers));
+  }
   return Solution(std::move(*mesh), from_numbers(irradiance), std::move(stats));
 }
 
 void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution,
-                   const ColorMatrix& to_rec709) {
+                   const ColorMatrix& to_rec709, const GroupedIrradiance& groups) {
   const std::vector<std::byte> display = glb_of(display_mesh(scene, solution, to_rec709), scene, path.string());
-  write_atomically(path, solution_to_bytes(scene, solution, display));
+  write_atomically(path, solution_to_bytes(scene, solution, display, groups));
 }
 
-Solution load_solution(const std::filesystem::path& path, const Scene& scene) {
+Solution load_solution(const std::filesystem::path& path, const Scene& scene, GroupedIrradiance* groups) {
   const std::string bytes = read_regular_file(path);
-  return solution_from_bytes(std::as_bytes(std::span(bytes)), scene, path);
+  return solution_from_bytes(std::as_bytes(std::span(bytes)), scene, path, groups);
 }
 
 std::vector<std::byte> display_of_solution(const std::filesystem::path& path) {

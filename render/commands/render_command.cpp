@@ -140,8 +140,9 @@ std::string reflections_text(int max_reflections) {
 }
 
 // A solution of other paths than this render's would be a picture of neither.
-Solution load_fitting_solution(const Scene& scene, const std::string& file, int max_reflections) {
-  Solution solution = load_solution(file, scene);
+Solution load_fitting_solution(const Scene& scene, const std::string& file, int max_reflections,
+                               GroupedIrradiance& groups) {
+  Solution solution = load_solution(file, scene, &groups);
   const int held = solution.stats().max_reflections;
   if (held != max_reflections)
     throw Error(file,
@@ -156,7 +157,7 @@ Solution load_fitting_solution(const Scene& scene, const std::string& file, int 
 PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const RenderOptions& options,
                              const Settings& settings, const SamplingGoal& goal, Plan& plan,
                              const RadiosityOptions& radiosity, const Console& console,
-                             RenderStatistics& statistics) {
+                             RenderStatistics& statistics, GroupedIrradiance& stored_groups) {
   PassOneJob job{.scene = scene, .plan = plan, .integrator = settings.integrator, .radiosity = radiosity};
   Elapsed load_time;
   if (!plan.radiosity_pass) {
@@ -165,7 +166,8 @@ PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const Ren
         console.note(options.solution_file + ": not needed, because " + skipped.why);
   } else if (!options.solution_file.empty()) {
     const Stopwatch stopwatch;
-    job.solved = load_fitting_solution(scene, options.solution_file, job.radiosity.max_reflections);
+    job.solved = load_fitting_solution(scene, options.solution_file, job.radiosity.max_reflections,
+                                       stored_groups);
     load_time = stopwatch.elapsed();
   }
   const bool is_judged = options.certificate && plan.radiosity_pass &&
@@ -215,21 +217,24 @@ SamplingGoal left_of(SamplingGoal goal, const Elapsed& pass_one, bool is_certifi
   return goal;
 }
 
-// The light of the solution by light group. Its time is part of pass one.
+// The light of the solution by light group, stored with it or solved now. Its time is part of pass one.
 std::optional<GroupedLight> group_solution(const Scene& scene, const std::optional<LightGroups>& groups,
-                                           const PreparedPassOne& pass_one, const RadiosityOptions& radiosity,
-                                           const Console& console, RenderStatistics& statistics) {
+                                           GroupedIrradiance stored, const PreparedPassOne& pass_one,
+                                           const RadiosityOptions& radiosity, const Console& console,
+                                           RenderStatistics& statistics) {
   if (!groups || !pass_one.solution) return std::nullopt;
   const Stopwatch stopwatch;
   IndirectFieldOptions field_options;
   field_options.seed = radiosity.seed;
+  const bool is_stored = stored.names == groups->names();
+  if (!is_stored) stored = solve_by_group(scene, *groups, *pass_one.solution, radiosity);
   std::optional<GroupedLight> grouped;
-  grouped.emplace(scene, *groups, *pass_one.solution, radiosity, pass_one.field != nullptr, field_options);
+  grouped.emplace(scene, *pass_one.solution, std::move(stored), pass_one.field != nullptr, field_options);
   const Elapsed elapsed = stopwatch.elapsed();
   statistics.radiosity_time += elapsed;
   char text[120];
-  std::snprintf(text, sizeof text, "light groups: %zu, each solved by itself, %.2f s", groups->size(),
-                elapsed.seconds);
+  std::snprintf(text, sizeof text, "light groups: %zu, %s, %.2f s", groups->size(),
+                is_stored ? "taken from the solution's file" : "each solved by itself", elapsed.seconds);
   console.note(text);
   return grouped;
 }
@@ -380,9 +385,11 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const RadiosityOptions radiosity =
       radiosity_options(settings.integrator, settings.limits, camera, whole,
                         options.radiosity.settle(settings.seed), settings.goal.seconds * s.threads);
+  GroupedIrradiance stored_groups;
   const PreparedPassOne pass_one =
-      run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, console, s);
-  const std::optional<GroupedLight> grouped = group_solution(scene, groups, pass_one, radiosity, console, s);
+      run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, console, s, stored_groups);
+  const std::optional<GroupedLight> grouped =
+      group_solution(scene, groups, std::move(stored_groups), pass_one, radiosity, console, s);
 
   const bool is_certified =
       pass_one.solution && options.certificate && settings.integrator == IntegratorKind::two_pass;

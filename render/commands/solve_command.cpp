@@ -1,7 +1,9 @@
 // twopass solve: the radiosity pass alone, to be kept or to be looked at.
+#include <algorithm>
 #include <cstdio>
 
 #include "radiosity/display_mesh.h"
+#include "radiosity/grouped_light.h"
 #include "radiosity/mesh_files.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
@@ -10,6 +12,7 @@
 #include "render/commands/scene_options.h"
 #include "render/core/parallel.h"
 #include "render/image/atomic_file.h"
+#include "render/layers.h"
 #include "render/statistics.h"
 
 namespace twopass {
@@ -23,6 +26,7 @@ struct SolveOptions {
   std::optional<std::uint32_t> seed;
   RadiosityCommandOptions radiosity;
   std::string config, working_space;
+  bool light_groups = false;
 };
 
 enum class SolutionFormat { solution, gltf, ply };
@@ -39,9 +43,10 @@ SolutionFormat format_of(const std::string& path) {
 }
 
 void write_solution(const std::string& path, const Scene& scene, const Solution& solution,
-                    const ColorMatrix& to_rec709, std::optional<DisplayMesh>& mesh) {
+                    const ColorMatrix& to_rec709, const GroupedIrradiance& groups,
+                    std::optional<DisplayMesh>& mesh) {
   const SolutionFormat format = format_of(path);
-  if (format == SolutionFormat::solution) return save_solution(path, scene, solution, to_rec709);
+  if (format == SolutionFormat::solution) return save_solution(path, scene, solution, to_rec709, groups);
   if (!mesh) mesh = display_mesh(scene, solution, to_rec709);
   if (format == SolutionFormat::ply)
     write_ply(path, *mesh);
@@ -72,6 +77,9 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
   RenderStatistics s;
   s.is_render = false;
   // What can go wrong with the outputs goes wrong before any work is done.
+  const auto is_solution = [](const std::string& path) { return format_of(path) == SolutionFormat::solution; };
+  if (options.light_groups && std::ranges::none_of(options.outputs, is_solution))
+    throw Error("--light-groups", "only .radiosity files keep light groups", "add -o FILE.radiosity");
   for (const std::string& output : options.outputs) {
     format_of(output);
     check_writable(output);
@@ -93,6 +101,9 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
 
   stopwatch = Stopwatch();
   const Solution solution = solve_radiosity(scene, radiosity);
+  GroupedIrradiance groups;
+  if (options.light_groups)
+    groups = solve_by_group(scene, light_groups_of(scene), solution, radiosity);
   s.radiosity_time = stopwatch.elapsed();
   s.radiosity = solution.stats();
   for (const std::string& note : solution.stats().notes) console.note(note);
@@ -100,7 +111,7 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
   stopwatch = Stopwatch();
   std::optional<DisplayMesh> mesh;
   for (const std::string& output : options.outputs)
-    write_solution(output, scene, solution, space.to_rec709, mesh);
+    write_solution(output, scene, solution, space.to_rec709, groups, mesh);
   s.write = stopwatch.elapsed();
   s.total = total.elapsed();
 
@@ -131,6 +142,8 @@ void add_solve_command(CLI::App& program, const GlobalOptions& global, Action& a
       .add_option("--max-reflections", options->radiosity.radiosity.max_reflections,
                   "Most diffuse reflections of the indirect light, for renders of limited depth; -1: all")
       ->check(CLI::Range(-1, 1 << 30));
+  command.add_flag("--light-groups", options->light_groups,
+                   "Keep what each light group makes of it too, for render --light-groups");
   command.add_option("--seed", options->seed, "Seed of all random numbers");
   command.add_option("--stats", options->stats_file, "Write statistics as JSON");
   command.callback(

@@ -49,7 +49,7 @@ struct LitRoom {
         solution(solve_radiosity(scene, options())),
         field(scene, solution),
         guide(scene, solution),
-        grouped(scene, groups, solution, options(), true) {}
+        grouped(scene, solution, solve_by_group(scene, groups, solution, options()), true) {}
 
   static RadiosityOptions options() {
     RadiosityOptions radiosity;

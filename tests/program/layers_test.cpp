@@ -65,8 +65,11 @@ class LayerFiles : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
   int run(const std::string& arguments, std::string* error = nullptr) const {
+    return call("render " + arguments, error);
+  }
+  int call(const std::string& arguments, std::string* error = nullptr) const {
     const fs::path err = folder_ / "stderr";
-    const std::string command = "cd '" + folder_.string() + "' && '" TWOPASS_PROGRAM "' render " + arguments +
+    const std::string command = "cd '" + folder_.string() + "' && '" TWOPASS_PROGRAM "' " + arguments +
                                 " >/dev/null 2>'" + err.string() + "'";
     const int status = std::system(command.c_str());
     std::ifstream in(err);
@@ -305,6 +308,41 @@ TEST_F(LayerFiles, LightGroupsAreNamedAsTheSceneSays) {
     EXPECT_NEAR(sum, file.planes.at("R")[i], 2e-6f * sum);
   }
   EXPECT_EQ(file.planes.size(), 4u + 3u * std::size(groups));
+}
+
+// A corner under two lamps, solved once for all pictures.
+TEST_F(LayerFiles, LightGroupsAreKeptWithASolutionAndTakenFromIt) {
+  std::ofstream(folder_ / "corner.xml") << R"(<scene version='3.0.0'>
+    <sensor type='perspective'><transform name='to_world'><lookat origin='0,-3,3' target='0,0,0' up='0,0,1'/></transform>
+      <film type='hdrfilm'><integer name='width' value='24'/><integer name='height' value='24'/></film></sensor>
+    <shape type='rectangle'/>
+    <shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate y='1' z='1'/></transform></shape>
+    <shape type='sphere' id='bulb'><point name='center' x='-.5' y='0' z='1'/><float name='radius' value='.1'/>
+      <emitter type='area'><rgb name='radiance' value='9'/></emitter></shape>
+    <shape type='sphere' id='key'><point name='center' x='.5' y='0' z='1'/><float name='radius' value='.1'/>
+      <emitter type='area'><rgb name='radiance' value='9,1,1'/></emitter></shape>
+  </scene>)";
+  ASSERT_EQ(call("solve corner.xml --light-groups --elements 300 --quiet -o kept.radiosity"), 0);
+  ASSERT_EQ(call("solve corner.xml --elements 300 --quiet -o plain.radiosity"), 0);
+  std::string said;
+  const std::string render = "corner.xml --spp 16 --light-groups --exr-type float --solution ";
+  ASSERT_EQ(run(render + "plain.radiosity -o plain.exr", &said), 0);
+  EXPECT_NE(said.find("light groups: 2, each solved by itself"), std::string::npos) << said;
+  ASSERT_EQ(run(render + "kept.radiosity -o kept.exr", &said), 0);
+  EXPECT_NE(said.find("light groups: 2, taken from the solution's file"), std::string::npos) << said;
+  const File plain(folder_ / "plain.exr"), kept(folder_ / "kept.exr");
+  EXPECT_EQ(plain.planes.at("R"), kept.planes.at("R"));
+  const std::vector<float>&bulb = kept.planes.at("light_bulb.R"), &key = kept.planes.at("light_key.R");
+  double total = 0.0, difference = 0.0;
+  for (std::size_t i = 0; i < bulb.size(); ++i) {
+    EXPECT_NEAR(bulb[i] + key[i], kept.planes.at("R")[i], 2e-6f * (bulb[i] + key[i]));
+    total += bulb[i];
+    difference += std::abs(bulb[i] - plain.planes.at("light_bulb.R")[i]);
+  }
+  EXPECT_GT(total, 0.0);
+  EXPECT_LT(difference, 0.01 * total);
+  EXPECT_EQ(call("solve corner.xml --light-groups -o a.ply", &said), 1);
+  EXPECT_NE(said.find("--light-groups: only .radiosity files keep light groups"), std::string::npos) << said;
 }
 
 }  // namespace

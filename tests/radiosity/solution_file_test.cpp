@@ -103,6 +103,29 @@ TEST_F(SolutionFile, ComesBackBitForBit) {
   }
 }
 
+TEST_F(SolutionFile, LightGroupsComeBackWithTheirNames) {
+  const Scene scene = wall_and_ball();
+  const Solution solution = invented_solution(divide_surfaces(scene, 100));
+  const std::size_t count = solution.mesh().count();
+  GroupedIrradiance groups{{"key", "sky"}, {2, std::vector<Irradiance>(count, {C3f(1, 2, 3), C3f(4, 5, 6)})}};
+  groups.by_group[1][count - 1].direct = C3f(7, 8, 9);
+  save_solution(file("a.radiosity"), scene, solution, {}, groups);
+  GroupedIrradiance loaded;
+  expect_equal(solution, load_solution(file("a.radiosity"), scene, &loaded));
+  EXPECT_EQ(loaded.names, groups.names);
+  ASSERT_EQ(loaded.by_group.size(), 2u);
+  for (std::size_t g = 0; g < 2; ++g) {
+    ASSERT_EQ(loaded.by_group[g].size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_EQ(loaded.by_group[g][i].direct, groups.by_group[g][i].direct);
+      EXPECT_EQ(loaded.by_group[g][i].indirect, groups.by_group[g][i].indirect);
+    }
+  }
+  save_solution(file("a.radiosity"), scene, solution);
+  load_solution(file("a.radiosity"), scene, &loaded);
+  EXPECT_TRUE(loaded.empty());
+}
+
 TEST_F(SolutionFile, ScenesWithoutElementsAreNoTrouble) {
   const Scene empty{SceneDescription{}};
   save_solution(file("a.radiosity"), empty, solve_radiosity(empty));
@@ -120,7 +143,8 @@ Scene small_wall() {
 std::vector<std::byte> small_file(const Scene& scene) {
   const std::uint16_t divisions[] = {0, 0, 1, 3};
   const ElementMesh mesh = test::split_at_random(test::mesh_of_divisions(scene, divisions, 2), 1, 0.3f);
-  return solution_to_bytes(scene, invented_solution(mesh));
+  const GroupedIrradiance group{{"lamp"}, {std::vector<Irradiance>(mesh.count())}};
+  return solution_to_bytes(scene, invented_solution(mesh), {}, group);
 }
 
 constexpr std::byte flips[] = {std::byte{0x01}, std::byte{0x80}, std::byte{0xff}};
@@ -192,9 +216,11 @@ TEST_F(SolutionFile, ErrorsSayWhatIsWrong) {
   EXPECT_TRUE(contains(error_with(good.substr(0, good.size() - 5), scene), "incomplete"));
   EXPECT_TRUE(contains(error_with("ply\nformat ascii 1.0\n", scene), "not a radiosity solution"));
   EXPECT_TRUE(contains(error_with("", scene), "not a radiosity solution"));
-  std::string newer = good;
-  newer[12] = 3;
-  EXPECT_TRUE(contains(error_with(newer, scene), "newer version"));
+  std::string other = good;
+  other[12] = 100;
+  EXPECT_TRUE(contains(error_with(other, scene), "newer version"));
+  other[12] = 1;
+  EXPECT_TRUE(contains(error_with(other, scene), "older version"));
   std::string damaged = good;
   damaged[good.size() / 2] = static_cast<char>(~damaged[good.size() / 2]);
   EXPECT_TRUE(contains(error_with(damaged, scene), "damaged"));
