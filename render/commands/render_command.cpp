@@ -1,16 +1,12 @@
 // twopass render: one picture.
 #include <cstdio>
 
-#include "integrators/clamp.h"
 #include "radiosity/scene_fingerprint.h"
 #include "radiosity/solution_file.h"
 #include "render/commands/command.h"
-#include "render/commands/display_options.h"
-#include "render/commands/layer_options.h"
-#include "render/commands/long_render.h"
 #include "render/commands/picture_outputs.h"
-#include "render/commands/radiosity_options.h"
-#include "render/commands/scene_options.h"
+#include "render/commands/render_options.h"
+#include "render/commands/render_report.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/image/atomic_file.h"
@@ -24,115 +20,6 @@
 namespace twopass {
 
 namespace {
-
-constexpr double default_noise = 0.03;
-
-struct RenderOptions {
-  SceneOptions scene;
-  std::vector<std::string> outputs;
-  std::string integrator, sampler, size, stats_file, exr_type;
-  std::vector<int> crop;  // left, top, width, height
-  SamplingGoal goal;
-  std::optional<int> max_depth;
-  float clamp_direct = infinity_f, clamp_indirect = infinity_f;
-  std::optional<std::uint32_t> seed;
-  RadiosityCommandOptions radiosity;
-  std::string solution_file;
-  DisplayOptions display;
-  LayerOptions layers;
-  bool certificate = true;
-  LongRenderOptions parts;
-};
-
-// The settings of the file with the command line's put over them.
-struct Settings {
-  IntegratorKind integrator = IntegratorKind::two_pass;
-  PathLimits limits;
-  int width = 0, height = 0;
-  PixelWindow window;  // the part of it that is rendered
-  SamplingGoal goal;
-  SamplerKind sampler = SamplerKind::sobol;
-  std::uint32_t seed = 0;
-};
-
-void parse_size(const std::string& text, Settings& settings) {
-  int consumed = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%n", &settings.width, &settings.height, &consumed) != 2 ||
-      consumed != static_cast<int>(text.size()) || settings.width < 1 || settings.height < 1)
-    throw Error("--size " + text, "not a picture size", "write WIDTHxHEIGHT in pixels, for example 640x480");
-}
-
-// The part of the picture to render: --crop, else the file's window, which keeps its place in a picture of
-// another size, else all.
-PixelWindow window_of(const RenderOptions& options, const FileSettings& file, const V2i& size) {
-  if (!options.crop.empty()) {
-    const PixelWindow window{{options.crop[0], options.crop[1]}, {options.crop[2], options.crop[3]}};
-    for (int axis = 0; axis < 2; ++axis)
-      if (window.corner[axis] < 0 || window.size[axis] < 1 ||
-          window.corner[axis] > size[axis] - window.size[axis])
-        throw Error(
-            "--crop", "the window reaches beyond the picture",
-            "give LEFT,TOP,WIDTH,HEIGHT inside of " + std::to_string(size.x) + "x" + std::to_string(size.y));
-    return window;
-  }
-  if (!file.crop) return {{0, 0}, size};
-  PixelWindow window;
-  const V2i file_size(file.width, file.height);
-  for (int axis = 0; axis < 2; ++axis) {
-    const double scale = static_cast<double>(size[axis]) / file_size[axis];
-    const int begin = file.crop->corner[axis], end = begin + file.crop->size[axis];
-    window.corner[axis] = static_cast<int>(begin * scale);
-    window.size[axis] = std::min(static_cast<int>(std::ceil(end * scale)), size[axis]) - window.corner[axis];
-  }
-  return window;
-}
-
-Settings settle(const RenderOptions& options, const FileSettings& file, const Console& console) {
-  Settings settings;
-  if (!options.integrator.empty())
-    settings.integrator =
-        value_of_name<IntegratorKind>(integrator_names, options.integrator, "--integrator", "integrator");
-  else if (file.integrator)
-    settings.integrator =
-        value_of_name<IntegratorKind>(integrator_names, *file.integrator, options.scene.file, "integrator");
-  // The sampler of the file is no wish: nearly all files name Mitsuba's default, which is the noisiest.
-  if (!options.sampler.empty())
-    settings.sampler = value_of_name<SamplerKind>(sampler_names, options.sampler, "--sampler", "sampler");
-  settings.limits = {options.max_depth.value_or(file.max_depth), file.rr_depth, file.hide_emitters,
-                     options.clamp_direct, options.clamp_indirect};
-  settings.width = file.width;
-  settings.height = file.height;
-  if (!options.size.empty()) parse_size(options.size, settings);
-  settings.window = window_of(options, file, {settings.width, settings.height});
-  const int overscan = options.layers.overscan;
-  settings.window.corner -= V2i(overscan, overscan);
-  settings.window.size += V2i(2 * overscan, 2 * overscan);
-  settings.goal = options.goal;
-  const bool has_goal =
-      settings.goal.samples_per_pixel > 0 || settings.goal.seconds > 0.0 || settings.goal.relative_error > 0.0;
-  if (!has_goal && file.samples_per_pixel) settings.goal.samples_per_pixel = *file.samples_per_pixel;
-  if (!has_goal && !file.samples_per_pixel) {
-    settings.goal.relative_error = default_noise;
-    console.note("rendering until the estimated relative error is " +
-                 std::to_string(default_noise).substr(0, 4) + " (--spp, --time or --noise override)");
-  }
-  settings.seed = options.seed.value_or(file.seed.value_or(0));
-  return settings;
-}
-
-// What the clamps do to the picture, in words; empty without them.
-std::string clamp_text(const PathLimits& limits) {
-  std::string text;
-  const auto add = [&](const char* what, float most) {
-    if (most == infinity_f) return;
-    char part[60];
-    std::snprintf(part, sizeof part, "%s%s light clamped to %g", text.empty() ? "" : ", ", what, most);
-    text += part;
-  };
-  add("direct", limits.clamp_direct);
-  add("indirect", limits.clamp_indirect);
-  return text;
-}
 
 std::string reflections_text(int max_reflections) {
   return max_reflections < 0 ? "any number of reflections"
@@ -155,7 +42,7 @@ Solution load_fitting_solution(const Scene& scene, const std::string& file, int 
 
 // Pass one, with what the user should know about it.
 PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const RenderOptions& options,
-                             const Settings& settings, const SamplingGoal& goal, Plan& plan,
+                             const RenderSettings& settings, const SamplingGoal& goal, Plan& plan,
                              const RadiosityOptions& radiosity, const Console& console,
                              RenderStatistics& statistics, GroupedIrradiance& stored_groups) {
   PassOneJob job{.scene = scene, .plan = plan, .integrator = settings.integrator, .radiosity = radiosity};
@@ -254,7 +141,7 @@ void settle_space(const WorkingSpace& space, ExrOptions& exr) {
   if (!space.is_rec709()) exr.metadata.emplace_back(working_space_metadata, space.name);
 }
 
-ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const Settings& settings,
+ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, const RenderSettings& settings,
                        const RenderStatistics& s) {
   ExrOptions exr;
   options.layers.settle(options.layers.request(), exr);
@@ -275,55 +162,6 @@ ExrOptions exr_options(const RenderOptions& options, const FileSettings& file, c
     exr.metadata.emplace_back("twopass/biasCi95", static_cast<float>(s.bias->ci95));
   }
   return exr;
-}
-
-void report(const RenderOptions& options, const RenderStatistics& s, const Console& console) {
-  if (console.verbosity() == Verbosity::quiet) return;
-  for (const std::string& output : options.outputs) std::printf("wrote %s\n", output.c_str());
-  const double pixels = static_cast<double>(s.width) * s.height;
-  std::printf("%s, %dx%d, %.4g samples a pixel (stopped by %s)", s.integrator.c_str(), s.width, s.height,
-              static_cast<double>(s.samples) / pixels, s.outcome.stop_reason.c_str());
-  if (std::isfinite(s.relative_error)) std::printf(", estimated noise %.3g", s.relative_error);
-  if (s.outcome.pixels_stopped_early > 0.0)
-    std::printf(", %.3g %% of the pixels stopped early", 100.0 * s.outcome.pixels_stopped_early);
-  std::printf(", %.2f s (%.2f s CPU)\n", s.total.seconds, s.total.cpu_seconds);
-  if (!s.clamped.empty()) std::printf("biased: %s W/(m2 sr) a path\n", s.clamped.c_str());
-  if (s.bias)
-    std::printf("bias of the picture's mean: %+.2f %% +- %.2f %% (95 %% confidence, %.2g samples)\n",
-                100.0 * s.bias->mean, 100.0 * s.bias->ci95, static_cast<double>(s.bias->samples));
-  if (s.bias_not_measured)
-    std::printf("bias of the picture's mean: not measured, hardly any sample sees light that is looked up\n");
-  // The estimate is worth as much as that of 16 equal pixels, or less: 1.22^2 = 1 + 2 / sqrt(16). Nobody sees
-  // noise below a thousandth.
-  if (std::isfinite(s.relative_error) && s.relative_error_bound > std::max(1e-3, 1.22 * s.relative_error)) {
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "few pixels hold most of the noise (rare bright samples): it may be as large as %.2g, or larger "
-        "where such samples have not been met yet",
-        s.relative_error_bound);
-    console.note(text);
-  }
-  if (may_have_cracks(s.outcome.counts))
-    console.note(s.scene_file + ": " + std::to_string(s.outcome.counts.escaped_rays) + " of " +
-                 std::to_string(s.outcome.counts.rays) +
-                 " rays left the scene: there are cracks between its surfaces, or openings as small");
-  if (s.outcome.non_finite_samples > 0) {
-    std::printf("%llu samples were not finite and counted as black",
-                static_cast<unsigned long long>(s.outcome.non_finite_samples));
-    if (const std::optional<SamplePlace>& place = s.outcome.first_non_finite)
-      std::printf("; the first: sample %u of pixel %d,%d", place->sample, place->pixel.x, place->pixel.y);
-    std::printf("\n");
-  }
-}
-
-// "pass 3, 24 spp, noise 0.034, 5.1 Mrays/s"
-std::string progress_text(const RenderProgress& at) {
-  char noise[32] = "", text[160];
-  if (std::isfinite(at.error)) std::snprintf(noise, sizeof noise, ", noise %.2g", at.error);
-  std::snprintf(text, sizeof text, "pass %d, %.4g spp%s, %.3g Mrays/s", at.pass, at.samples_per_pixel, noise,
-                1e-6 * at.rays_per_second);
-  return text;
 }
 
 int render(const RenderOptions& options, const GlobalOptions& global) {
@@ -351,7 +189,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 
   Stopwatch stopwatch;
   LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera, options.display.config);
-  Settings settings = settle(options, loaded.settings, console);
+  RenderSettings settings = settle(options, loaded.settings, console);
   // What a picture is judged by must not depend on how it is divided, nor on when it was to end at first.
   SamplingGoal judged_by = settings.goal;
   if (!options.parts.checkpoint.empty() || !options.parts.resume.empty()) judged_by = {};
@@ -509,7 +347,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   s.write = stopwatch.elapsed();
   s.total = total.elapsed();
   if (!options.stats_file.empty()) write_statistics(options.stats_file, s);
-  report(options, s, console);
+  report_render(options.outputs, s, console);
   if (s.outcome.stop_reason != "interrupted") return 0;
   console.note("interrupted: wrote what there was");
   return exit_interrupted();
@@ -520,57 +358,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
 void add_render_command(CLI::App& program, const GlobalOptions& global, Action& action) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App& command = *program.add_subcommand("render", "Render one picture");
-  options->scene.add_to(command);
-  options->scene.add_sky_to(command);
-  options->scene.add_view_to(command);
-  command
-      .add_option("-o,--output", options->outputs,
-                  "Picture to write (repeatable): .exr scene-linear; .png, .jpg, .tif display-referred")
-      ->required()
-      ->allow_extra_args(false);
-  command.add_option("--integrator", options->integrator, "twopass, unbiased, path, radiosity or direct");
-  command.add_option("--sampler", options->sampler,
-                     "sobol (default, whatever the scene says), stratified or independent");
-  command.add_option("--spp", options->goal.samples_per_pixel, "Stop at this many samples a pixel")
-      ->check(CLI::Range(1, most_samples_per_pixel));
-  command.add_option("--time", options->goal.seconds, "Stop after this many seconds, pass one included")
-      ->check(CLI::PositiveNumber);
-  command
-      .add_option("--noise", options->goal.relative_error,
-                  "Stop at this estimated relative error, sampling more where there is more noise")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--size", options->size, "Picture size, WIDTHxHEIGHT");
-  command
-      .add_option(
-          "--crop", options->crop,
-          "The part of the picture to render, LEFT,TOP,WIDTH,HEIGHT in pixels; .exr files remember its place")
-      ->delimiter(',')
-      ->expected(4);
-  command.add_option("--max-depth", options->max_depth, "Most edges of a path; -1 unlimited, 2 direct light")
-      ->check(CLI::Range(-1, 1 << 30));
-  command
-      .add_option("--clamp-direct", options->clamp_direct,
-                  "Most radiance that a path of direct light adds to a sample, W/(m2 sr); biased")
-      ->check(CLI::PositiveNumber);
-  command
-      .add_option("--clamp-indirect", options->clamp_indirect,
-                  "The same of indirect light: fewer bright dots for a darker picture; biased")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--seed", options->seed, "Seed of all random numbers");
-  CLI::Option* solution = command.add_option("--solution", options->solution_file,
-                                             "Radiosity solution of twopass solve to use instead of solving");
-  for (CLI::Option* option : options->radiosity.add_to(command)) solution->excludes(option);
-  add_display_options(command, options->display);
-  add_working_space_option(command, options->display.working_space);
-  command
-      .add_option("--exr-type", options->exr_type,
-                  "Pixels of .exr files (default: as the scene says, else half)")
-      ->check(CLI::IsMember({"half", "float"}));
-  options->layers.add_to(command);
-  command.add_flag("!--no-certificate", options->certificate,
-                   "Do not measure the bias of twopass, which costs about 5 % of the rays");
-  command.add_option("--stats", options->stats_file, "Write statistics as JSON");
-  options->parts.add_to(command);
+  options->add_to(command);
   command.callback(
       [options, &global, &action] { action = [options, &global] { return render(*options, global); }; });
 }
