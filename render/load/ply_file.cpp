@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
 
 #include "render/core/error.h"
@@ -246,10 +247,12 @@ class PlyReader {
     for (std::size_t i = 0; i < element.count; ++i) {
       read_row(element, list);
       for (const double index : list_)
-        if (!(index >= 0.0 && index < static_cast<double>(vertices_)))
-          numbers_.fail("a face names vertex " + std::to_string(static_cast<long long>(index)) +
-                            ", and there are " + std::to_string(vertices_),
+        if (!(index >= 0.0 && index < static_cast<double>(vertices_))) {
+          char text[40];  // it may be any double
+          std::snprintf(text, sizeof text, "%.10g", index);
+          numbers_.fail(std::string("a face names vertex ") + text + ", and there are " + std::to_string(vertices_),
                         "vertices are numbered from 0");
+        }
       const auto corner = [&](std::size_t k) { return static_cast<std::uint32_t>(list_[k]); };
       if (list_.size() == 3) {
         mesh_.triangles.emplace_back(corner(0), corner(1), corner(2));

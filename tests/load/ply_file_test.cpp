@@ -136,6 +136,8 @@ TEST_F(PlyFile, ErrorsNameTheLineOrTheOffset) {
       "z\nend_header\n",
       {"no faces", "cloud of points"});
   expect_refused(triangle_header + vertices + "3 0 1 3\n", {"mesh.ply:13", "vertex 3", "there are 3"});
+  expect_refused(triangle_header + vertices + "3 0 1 28888888888888888888888\n",
+                 {"mesh.ply:13", "vertex 2.888888889e+22", "there are 3"});
   expect_refused(triangle_header + vertices + "3 0 1 -1\n", {"mesh.ply:13", "vertex -1"});
   expect_refused(triangle_header + vertices + "3 0 1 1.5\n", {"mesh.ply:13", "no integer"});
   expect_refused(triangle_header + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", {"mesh.ply:11", "'y' is not finite"});
