@@ -20,6 +20,9 @@ namespace {
 constexpr int rows = Guide::rows, columns = Guide::columns, bins = rows * columns;
 constexpr float whole = 65536.0f;  // of a cumulative distribution
 constexpr std::uint16_t last = 65535;
+// Where light comes from few bins, so many times as many rays look for it.
+constexpr std::uint32_t rounds_where_concentrated = 4;
+constexpr float concentrated = 0.3f;  // evenness() below which it does
 
 // The interval of a cumulative distribution of n entries that holds x in [0, whole).
 template <int n>
@@ -56,12 +59,13 @@ float within(const Interval& interval, float x, int bin) {
 
 // The sector of the vector (x, y), as `circle` goes around; without its angle.
 int sector_of(float x, float y) {
-  static_assert(columns == 16);
-  constexpr float tan_of_eighth = 0.414213562f;  // of pi / 8
+  static_assert(columns == 32);
+  constexpr float tangents[] = {0.198912367f, 0.414213562f, 0.668178638f};  // of 1, 2, 3 / 16 pi
   const float a = std::abs(x), b = std::abs(y);
-  const int k = (b > tan_of_eighth * a ? 1 : 0) + (b > a ? 1 : 0) + (tan_of_eighth * b > a ? 1 : 0);
-  if (y >= 0.0f) return x >= 0.0f ? k : 7 - k;
-  return x >= 0.0f ? 15 - k : 8 + k;
+  int k = b > a ? 1 : 0;
+  for (const float tangent : tangents) k += (b > tangent * a ? 1 : 0) + (tangent * b > a ? 1 : 0);
+  if (y >= 0.0f) return x >= 0.0f ? k : 15 - k;
+  return x >= 0.0f ? 31 - k : 16 + k;
 }
 
 // The share of each of n bins, at least 2^-16, as a cumulative distribution. REQUIRES: positive weights.
@@ -92,6 +96,10 @@ struct Key {
   std::uint64_t cube;
   std::uint32_t facing;  // direction of the normal: a face of a cube and a ninth of it
   bool down;             // the sign of the frame is -1
+  std::uint32_t within;  // where in the cube: the eighth, and the eighth of that
+  [[nodiscard]] bool is_grouped_with(const Key& other) const {
+    return cube == other.cube && facing == other.facing && down == other.down;
+  }
   friend auto operator<=>(const Key&, const Key&) = default;
 };
 
@@ -149,81 +157,163 @@ class Guide::Builder {
   }
 
  private:
-  // Divides the elements into cells. False: more than may be.
+  // Divides the elements into cells, and those into groups. False: more than may be.
   bool group(const std::vector<ElementPoint>& middle, float size) {
     std::vector<Key> keys(middle.size());
     for (std::size_t e = 0; e < middle.size(); ++e) {
       const V3f normal(middle[e].normal), p = (V3f(middle[e].position) - scene_.bounds().min) * (1.0f / size);
-      const auto coordinate = [](float x) {
-        return static_cast<std::uint64_t>(std::clamp(x, 0.0f, 2097151.0f));
-      };
-      keys[e] = {coordinate(p.x) << 42 | coordinate(p.y) << 21 | coordinate(p.z), facing_of(normal),
-                 normal.z < -0.5f};
+      std::uint64_t cube = 0;
+      std::uint32_t within = 0;
+      for (int k = 0; k < 3; ++k) {
+        const auto x = static_cast<std::uint64_t>(std::clamp(p[k], 0.0f, 8388607.0f));
+        cube = cube << 21 | x >> 2;
+        within |= static_cast<std::uint32_t>((x >> 1 & 1) << (3 + k) | (x & 1) << k);
+      }
+      keys[e] = {cube, facing_of(normal), normal.z < -0.5f, within};
     }
     members_.resize(middle.size());
     std::iota(members_.begin(), members_.end(), 0u);
     std::sort(members_.begin(), members_.end(),
               [&](std::uint32_t a, std::uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
-    first_.clear();
+    cells_.clear();
+    groups_.clear();
     guide_.place_.resize(middle.size());
     for (std::size_t i = 0; i < members_.size(); ++i) {
       const std::uint32_t e = members_[i];
-      if (i == 0 || keys[e] != keys[members_[i - 1]]) first_.push_back(i);
-      guide_.place_[e] = {static_cast<std::uint32_t>(first_.size() - 1), keys[e].down ? -1.0f : 1.0f};
+      const Key& key = keys[e];
+      if (i == 0 || key != keys[members_[i - 1]]) {
+        if (i == 0 || !key.is_grouped_with(keys[members_[i - 1]])) groups_.push_back(cells_.size());
+        cells_.push_back({i, key.within >> 3});
+      }
+      guide_.place_[e] = {static_cast<std::uint32_t>(cells_.size() - 1), key.down ? -1.0f : 1.0f};
     }
-    first_.push_back(members_.size());
-    return first_.size() - 1 <= options_.max_cells || size > 8.0f * max_component(scene_.bounds().size());
+    const std::size_t cells = cells_.size();
+    groups_.push_back(cells);
+    cells_.push_back({members_.size(), 0});
+    return cells <= options_.max_cells || size > 8.0f * max_component(scene_.bounds().size());
   }
 
+  [[nodiscard]] std::span<const std::uint32_t> members(std::size_t cell) const {
+    return {members_.data() + cells_[cell].first, cells_[cell + 1].first - cells_[cell].first};
+  }
   [[nodiscard]] bool is_wanted(std::size_t cell) const {
     if (options_.wanted.empty()) return true;
-    return std::any_of(members_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
-                       members_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]),
-                       [&](std::uint32_t e) { return options_.wanted[e]; });
+    const auto all = members(cell);
+    return std::any_of(all.begin(), all.end(), [&](std::uint32_t e) { return options_.wanted[e]; });
+  }
+  void leave_empty(std::size_t cell) {
+    for (const std::uint32_t e : members(cell)) guide_.place_[e].sign = 0.0f;
   }
 
   void fill() {
-    const std::size_t cells = first_.size() - 1;
-    guide_.cumulative_.resize(cells * stride);
+    guide_.cumulative_.resize((cells_.size() - 1) * stride);
     std::atomic<std::uint64_t> rays{0};
-    parallel_for(cells, 4, [&](std::size_t begin, std::size_t end) {
+    parallel_for(groups_.size() - 1, 1, [&](std::size_t begin, std::size_t end) {
       std::uint64_t own = 0;
-      for (std::size_t cell = begin; cell < end; ++cell) fill_cell(static_cast<std::uint32_t>(cell), own);
+      for (std::size_t group = begin; group < end; ++group) fill_group(groups_[group], groups_[group + 1], own);
       rays += own;
     });
     guide_.rays_ = rays;
   }
 
-  void fill_cell(std::uint32_t cell, std::uint64_t& rays) {
-    const std::span<const std::uint32_t> members(members_.data() + first_[cell],
-                                                 first_[cell + 1] - first_[cell]);
-    const auto leave_empty = [&] {
-      for (const std::uint32_t e : members) guide_.place_[e].sign = 0.0f;
-    };
-    if (!is_wanted(cell)) return leave_empty();
-    const std::vector<C3f> radiance = radiances_at(cell, members, rays);
-    // The mean square of the radiance that arrives from each bin, each channel in units of its mean: what
-    // matters in a picture is relative (R42).
-    C3d mean(0.0);
-    for (const C3f& r : radiance) mean += C3d(r);
-    if (is_black(C3f(mean))) return leave_empty();
-    mean *= 1.0 / static_cast<double>(radiance.size());
-    C3f scale;
-    for (int c = 0; c < 3; ++c) scale[c] = mean[c] > 0.0 ? static_cast<float>(1.0 / mean[c]) : 0.0f;
-    std::array<float, bins> weight{};
-    float total = 0.0f;
-    const auto per_bin = static_cast<std::size_t>(options_.rays_per_bin);
-    for (std::size_t bin = 0; bin < bins; ++bin) {
-      for (std::size_t k = 0; k < per_bin; ++k) {
-        const C3f relative = radiance[bin * per_bin + k] * scale;
-        weight[bin] += relative.dot(relative);
+  using Weights = std::array<float, bins>;
+  static float sum_of(const Weights& weights) { return std::accumulate(weights.begin(), weights.end(), 0.0f); }
+  // Adds the one to the other, scaled to a sum of 1. One without light adds nothing.
+  static void add(const Weights& squares, Weights& sum) {
+    const float total = sum_of(squares);
+    if (!(total > 0.0f)) return;
+    for (std::size_t i = 0; i < bins; ++i) sum[i] += squares[i] * (1.0f / total);
+  }
+  // Each bin with its eight neighbours, 1 2 1 in both directions, around the normal and beyond the last row.
+  static Weights blurred(const Weights& weights) {
+    Weights in_rows, both;
+    for (std::size_t r = 0; r < rows; ++r)
+      for (std::size_t c = 0; c < columns; ++c) {
+        const float* const row = &weights[r * columns];
+        in_rows[r * columns + c] = 2.0f * row[c] + row[(c + 1) % columns] + row[(c + columns - 1) % columns];
       }
-      weight[bin] = std::sqrt(weight[bin]);
-      total += weight[bin];
+    for (std::size_t r = 0; r < rows; ++r)
+      for (std::size_t c = 0; c < columns; ++c) {
+        const std::size_t below = r == 0 ? 0 : r - 1, above = std::min<std::size_t>(r + 1, rows - 1);
+        both[r * columns + c] =
+            2.0f * in_rows[r * columns + c] + in_rows[below * columns + c] + in_rows[above * columns + c];
+      }
+    return both;
+  }
+
+  // What is known of a group: sums of squares of what arrives, by bin.
+  struct Squares {
+    std::vector<Weights> own;  // by cell
+    std::array<Weights, 8> eighth{};
+    Weights whole{};
+  };
+  // 1 where the light of all bins is even, 1 / bins where it comes from one.
+  static float evenness(const Weights& squares) {
+    float roots = 0.0f;
+    for (const float s : squares) roots += std::sqrt(s);
+    return roots * roots / (static_cast<float>(bins) * sum_of(squares));
+  }
+
+  // The cells of a group learn from each other (R42): few rays would miss in one what those of its neighbours
+  // have met.
+  void fill_group(std::size_t begin, std::size_t end, std::uint64_t& rays) {
+    std::vector<std::size_t> cells;
+    for (std::size_t cell = begin; cell < end; ++cell)
+      if (is_wanted(cell))
+        cells.push_back(cell);
+      else
+        leave_empty(cell);
+    std::vector<std::vector<C3f>> radiance;
+    C3d mean(0.0);
+    std::size_t count = 0;
+    for (const std::size_t cell : cells) {
+      radiance.push_back(radiances_at(cell, 0, rays));
+      count += radiance.back().size();
+      for (const C3f& r : radiance.back()) mean += C3d(r);
     }
-    const float share = options_.uniform_share, even = share * total / bins;
+    if (is_black(C3f(mean))) {
+      for (const std::size_t cell : cells) leave_empty(cell);
+      return;
+    }
+    // The mean square of the radiance that arrives from each bin, each channel in units of its mean: what
+    // matters in a picture is relative.
+    C3f scale(0.0f);
+    for (int c = 0; c < 3; ++c)
+      if (mean[c] > 0.0) scale[c] = static_cast<float>(static_cast<double>(count) / mean[c]);
+    Squares squares;
+    squares.own.resize(cells.size(), Weights{});
+    for (std::size_t i = 0; i < cells.size(); ++i) add(cells[i], i, radiance[i], scale, squares);
+    if (evenness(squares.whole) < concentrated)
+      for (std::uint32_t round = 1; round < rounds_where_concentrated; ++round)
+        for (std::size_t i = 0; i < cells.size(); ++i)
+          add(cells[i], i, radiances_at(cells[i], round, rays), scale, squares);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      Weights weight{};
+      add(blurred(squares.own[i]), weight);
+      add(squares.eighth[cells_[cells[i]].eighth], weight);
+      add(blurred(squares.whole), weight);
+      for (float& w : weight) w = std::sqrt(w);
+      set(cells[i], weight);
+    }
+  }
+
+  void add(std::size_t cell, std::size_t number_in_group, std::span<const C3f> radiance, const C3f& scale,
+           Squares& squares) const {
+    const auto per_bin = static_cast<std::size_t>(options_.rays_per_bin);
+    Weights& eighth = squares.eighth[cells_[cell].eighth];
+    for (std::size_t k = 0; k < radiance.size(); ++k) {
+      const C3f relative = radiance[k] * scale;
+      const float square = relative.dot(relative);
+      squares.own[number_in_group][k / per_bin] += square;
+      eighth[k / per_bin] += square;
+      squares.whole[k / per_bin] += square;
+    }
+  }
+
+  void set(std::size_t cell, Weights& weight) {
+    const float share = options_.uniform_share, even = share * sum_of(weight) / bins;
     std::array<float, rows> row{};
-    std::uint16_t* const cumulative = &guide_.cumulative_[std::size_t{cell} * stride];
+    std::uint16_t* const cumulative = &guide_.cumulative_[cell * stride];
     for (std::size_t r = 0; r < rows; ++r) {
       for (std::size_t c = 0; c < columns; ++c) {
         float& w = weight[r * columns + c];
@@ -237,8 +327,8 @@ class Guide::Builder {
 
   // What arrives at random points of the cell, rays_per_bin times from each bin. Of a point that lies under
   // another surface: mostly nothing, which takes from all bins alike.
-  std::vector<C3f> radiances_at(std::uint32_t cell, std::span<const std::uint32_t> members,
-                                std::uint64_t& rays) const {
+  std::vector<C3f> radiances_at(std::size_t cell, std::uint32_t round, std::uint64_t& rays) const {
+    const std::span<const std::uint32_t> members = this->members(cell);
     std::vector<double> areas;
     for (const std::uint32_t e : members) areas.push_back(mesh_.area(e));
     const DiscreteDistribution choice(areas);
@@ -247,8 +337,10 @@ class Guide::Builder {
     std::vector<Sampler> samplers;
     for (int bin = 0; bin < bins; ++bin)
       for (int k = 0; k < options_.rays_per_bin; ++k) {
-        Sampler& sampler = samplers.emplace_back(options_.seed, cell,
-                                                 static_cast<std::uint32_t>(bin * options_.rays_per_bin + k));
+        Sampler& sampler = samplers.emplace_back(
+            options_.seed, static_cast<std::uint32_t>(cell),
+            (round * bins + static_cast<std::uint32_t>(bin)) * static_cast<std::uint32_t>(options_.rays_per_bin) +
+                static_cast<std::uint32_t>(k));
         V2f u = sampler.next_2d();
         const DiscreteDistribution::Choice chosen = choice.sample(u.x);
         u.x = chosen.remapped;
@@ -299,7 +391,12 @@ class Guide::Builder {
   GuideOptions options_;
   Guide& guide_;
   std::vector<std::uint32_t> members_;  // elements, by cell
-  std::vector<std::size_t> first_;      // by cell, into members_, and the end
+  struct Cell {
+    std::size_t first;     // into members_
+    std::uint32_t eighth;  // of the group's cube
+  };
+  std::vector<Cell> cells_;          // and the end
+  std::vector<std::size_t> groups_;  // the first cell of each, and the end
 };
 
 Guide::Guide(const Scene& scene, const Solution& solution, const GuideOptions& options)

@@ -10,15 +10,16 @@
 namespace twopass {
 
 struct GuideOptions {
-  /// Edge of a cell over the largest edge of the scene's bounds.
-  float cell_size = 0.1f;
+  /// Edge of a cell over the largest edge of the scene's bounds. Groups of cells are four times as large.
+  float cell_size = 0.025f;
   /// Cells are made larger until there are at most so many.
-  std::size_t max_cells = 4096;
-  int rays_per_bin = 12;
+  std::size_t max_cells = 16384;
+  int rays_per_bin = 1;
   /// Part of the density that is spread evenly, in (0, 1]: what the few rays have missed is found all the same.
   float uniform_share = 0.1f;
   std::uint32_t seed = 0;
-  /// By element: whether anyone will ask there; empty: everywhere. Cells where nobody asks have no guide.
+  /// By element: whether anyone will ask there; empty: everywhere. Cells where nobody asks have no guide, and
+  /// what is learnt there is missing in those around.
   std::vector<bool> wanted{};
 };
 
@@ -28,8 +29,8 @@ struct GuideOptions {
 /// left out, for next-event estimation finds it. Const and thread-safe once built.
 class Guide {
  public:
-  static constexpr int rows = 12;     ///< of the square: rings of equal sin^2 of the angle with the normal
-  static constexpr int columns = 16;  ///< sectors around the normal
+  static constexpr int rows = 24;     ///< of the square: rings of equal sin^2 of the angle with the normal
+  static constexpr int columns = 32;  ///< sectors around the normal
 
   /// Casts rays_per_bin x rows x columns rays a cell. The same on any number of threads. REQUIRES: options in
   /// range.

@@ -45,14 +45,14 @@ std::vector<bool> seen_elements(const PassOneJob& job, const Solution& solution)
   return seen;
 }
 
-// Gathering is guided where indirect light is not looked up. With fewer rays a bin the guide is worse than none
-// where light comes through a crack; fewer cells than for paths, of which only the first direction is gathered.
+// Gathering is guided where indirect light is not looked up. Larger cells than for paths, of which only the first
+// direction is gathered.
 GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, const std::vector<bool>& seen) {
   GuideOptions options;
   options.seed = job.radiosity.seed;
   if (job.integrator != IntegratorKind::two_pass) return options;
-  options.rays_per_bin = 16;
-  options.max_cells = 1024;
+  options.cell_size = 0.05f;
+  options.max_cells = 4096;
   options.wanted = seen;
   if (!done.field) return options;
   options.wanted.resize(done.solution->mesh().count(), true);

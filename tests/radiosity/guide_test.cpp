@@ -47,7 +47,7 @@ SceneDescription room_around_a_ball() {
 
 // A quadrature over the disc below the hemisphere, where the density is d = p pi / cosine.
 double integral(const Guide::Lobe& lobe, const V3f& normal) {
-  constexpr int steps = 240;  // a multiple of the bins
+  constexpr int steps = 288;  // a multiple of the bins
   const Frame frame(normal);
   double sum = 0.0;
   for (int i = 0; i < steps; ++i)
@@ -139,6 +139,27 @@ TEST(Guide, PointsAtTheBrightSurface) {
   EXPECT_LT(relative(away), 0.8f);
 }
 
+// A bright patch of half a bin: of 400 places 244 would miss it with their cells' own rays alone, 119 do.
+TEST(Guide, FewPlacesMissASmallBrightPatch) {
+  const Scene scene(test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f)));
+  Solution dark = solve(scene, 3000);
+  const std::uint32_t bright = dark.mesh().find(seen(scene, V3f(0.5f), V3f(0.3f, 0.5f, 0.2f)));
+  std::vector<Irradiance> irradiance(dark.mesh().count(), Irradiance{C3f(0.01f), C3f(0.0f)});
+  irradiance[bright].direct = C3f(100.0f);
+  const V3f target(dark.mesh().centroid(bright).position);
+  const Solution solution(dark.mesh(), std::move(irradiance), dark.stats());
+  const Guide guide(scene, solution, {.cell_size = 0.1f});
+  std::uint32_t missed = 0;
+  constexpr std::uint32_t places = 400;
+  for (std::uint32_t k = 0; k < places; ++k) {
+    const V2f u = Sampler(3, k, 0).next_2d();
+    const SurfacePoint floor = seen(scene, V3f(0.02f + 0.96f * u.x, 0.02f + 0.6f * u.y, 0.5f), V3f(0, 0, -1));
+    const V3f direction = unit(target - floor.position);
+    missed += guide.at(floor).pdf_w(direction) < 2.0f * cosine_hemisphere_pdf_w(direction.z);
+  }
+  EXPECT_LT(missed, 180u);
+}
+
 // What mirrors show counts as what they show; emission behind them, too, for nothing else samples it.
 TEST(Guide, SeesThroughMirrors) {
   SceneDescription description;
@@ -185,7 +206,7 @@ TEST(Guide, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(densities[0], densities[1]);
 }
 
-// Where nobody asks there is no guide, and elsewhere it is the same.
+// Where nobody asks there is no guide.
 TEST(Guide, IsMadeOnlyWhereItIsWanted) {
   const Scene scene(room_around_a_ball());
   const Solution solution = solve_coarsely(scene);
@@ -201,10 +222,7 @@ TEST(Guide, IsMadeOnlyWhereItIsWanted) {
   EXPECT_LT(one.rays(), all.rays() / 4);
   EXPECT_TRUE(none.at(point).empty());
   ASSERT_FALSE(one.at(point).empty());
-  for (std::uint32_t k = 0; k < 100; ++k) {
-    const V2f u = Sampler(1, k, 0).next_2d();
-    EXPECT_EQ(one.at(point).sample(u).pdf_w, all.at(point).sample(u).pdf_w);
-  }
+  EXPECT_NEAR(integral(one.at(point), point.geometric_normal), 1.0, 3e-3);
 }
 
 TEST(Guide, HasNoMoreCellsThanAllowed) {
