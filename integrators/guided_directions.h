@@ -13,9 +13,10 @@ class GuidedDirections {
   GuidedDirections(const Bsdf& bsdf, const V3f& wo, const Frame& shading, const Guide::Lobe& guide, float share)
       : bsdf_(bsdf), wo_(wo), shading_(shading), guide_(guide), share_(share) {}
 
-  [[nodiscard]] std::optional<BsdfSample> sample(V2f u) const {
+  /// `row`: that of u.y in the guide.
+  [[nodiscard]] std::optional<BsdfSample> sample(V2f u, int row) const {
     if (share_ == 1.0f || choose(u.x, share_)) {
-      const Guide::Lobe::Direction drawn = guide_.sample(u);
+      const Guide::Lobe::Direction drawn = guide_.sample(u, row);
       // On the horizon, where rounding lets the model still see it.
       if (!(drawn.pdf_w > 0.0f)) return std::nullopt;
       const V3f wi = shading_.to_local(drawn.direction);

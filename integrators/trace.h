@@ -12,7 +12,8 @@
 namespace twopass {
 
 /// The driver of a bundle of paths. An integrator is what it does at a vertex: `at_vertex(vertex)` may add
-/// radiance, and says which step comes next. Light sampling is linear, so no path waits for its shadow ray:
+/// radiance, and says which step comes next; `at_vertex.look_ahead(vertex)`, if there is one, is called for a block
+/// of vertices before that, to ask for what will be read there (I10). Light sampling is linear, so no path waits for its shadow ray:
 /// what the ray would carry is kept beside it, and is added or not.
 class Bundle {
  public:
@@ -58,6 +59,8 @@ class Bundle {
   void move(std::size_t begin, std::size_t end, int edges, RayCounts& counts, const AtVertex& at_vertex) {
     std::size_t count = arrive(begin, end, edges, counts);
     const std::size_t arrived = std::exchange(count, 0);
+    if constexpr (requires { at_vertex.look_ahead(vertices_[0]); })
+      for (std::size_t k = 0; k < arrived; ++k) at_vertex.look_ahead(vertices_[k]);
     for (std::size_t k = 0; k < arrived; ++k) {
       const Step step = at_vertex(vertices_[k]);
       if (step == Step::end) continue;
@@ -65,7 +68,10 @@ class Bundle {
       leaving_[count++] = static_cast<std::uint8_t>(k);
     }
     const auto leaving = std::span(leaving_).first(count);
-    for (const std::uint8_t k : leaving) connect(vertices_[k], vertex_lanes_[k]);
+    for (const std::uint8_t k : leaving) {
+      vertices_[k].aim();
+      connect(vertices_[k], vertex_lanes_[k]);
+    }
     for (const std::uint8_t k : leaving)
       if (vertices_[k].goes_on() && vertices_[k].leave(rays_[live_])) lanes_[live_++] = vertex_lanes_[k];
   }

@@ -61,10 +61,21 @@ Unbiased::Unbiased(const Scene& scene, const PassOne& pass_one, const PathLimits
   if (solution_ && !is_clamped(limits)) certain_.emplace(scene, solution_->mesh());
 }
 
+// Finds the element, and asks for what is kept of it: each would be waited for in turn.
+void Unbiased::look_ahead(Vertex& vertex) const {
+  if (!solution_ || is_specular(vertex.bsdf())) return;
+  const std::uint32_t element = solution_->mesh().find(vertex.point());
+  vertex.set_element(element);
+  if (element == no_index) return;
+  __builtin_prefetch(&solution_->irradiances()[element]);
+  if (certain_) certain_->prefetch(element);
+  if (guide_) guide_->prefetch(element);
+}
+
 Step Unbiased::at(Vertex& vertex) const {
   if (is_specular(vertex.bsdf())) return Step::scatter;
   const SurfacePoint& point = vertex.point();
-  const std::uint32_t element = solution_ ? solution_->mesh().find(point) : no_index;
+  const std::uint32_t element = vertex.element();
   if (element == no_index) return Step::light_and_scatter;
   Step step = Step::light_and_scatter;
   // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
@@ -95,7 +106,12 @@ C3f Unbiased::add_direct(Vertex& vertex, std::uint32_t element) const {
 }
 
 void Unbiased::trace(std::span<PathSample> samples, RayCounts& counts) const {
-  trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) { return at(vertex); });
+  struct AtVertex {
+    const Unbiased& integrator;
+    Step operator()(Vertex& vertex) const { return integrator.at(vertex); }
+    void look_ahead(Vertex& vertex) const { integrator.look_ahead(vertex); }
+  };
+  trace_bundles(scene_, limits_, samples, counts, AtVertex{*this});
 }
 
 }  // namespace twopass

@@ -23,6 +23,7 @@ class Unbiased final : public Integrator {
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
+  void look_ahead(Vertex& vertex) const;
   [[nodiscard]] Step at(Vertex& vertex) const;
   C3f add_direct(Vertex& vertex, std::uint32_t element) const;
 

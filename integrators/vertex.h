@@ -148,6 +148,10 @@ class Vertex {
     if (samples_lights_) u_light_ = sample_->sampler.next_2d();
     if (goes_on_) u_direction_ = sample_->sampler.next_2d();
   }
+  /// Asks for what leave() will read of the guide, so that it is at hand by then.
+  void aim() {
+    if (goes_on_ && share_ > 0.0f) guide_row_ = guide_.row_of(u_direction_.y);
+  }
   [[nodiscard]] bool goes_on() const { return goes_on_; }
   [[nodiscard]] bool samples_lights() const { return samples_lights_; }
   /// The light sampled here, with what it sends along the path. REQUIRES: samples_lights().
@@ -172,6 +176,7 @@ class Vertex {
   [[nodiscard]] bool is_first() const { return edges_ == 1; }
 
   /// Takes the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
+  /// REQUIRES: aim().
   bool leave(Ray& next) {
     const std::optional<BsdfSample> drawn = scatter();
     if (!drawn) return false;
@@ -234,6 +239,10 @@ class Vertex {
     carried_->throughput *= scale;
     has_settled_ = true;
   }
+
+  /// The element that an integrator's look_ahead() has found here; no_index: none, or not asked for.
+  void set_element(std::uint32_t element) { element_ = element; }
+  [[nodiscard]] std::uint32_t element() const { return element_; }
 
   [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
@@ -309,7 +318,7 @@ class Vertex {
   [[nodiscard]] std::optional<BsdfSample> scatter() const {
     if (share_ > 0.0f)
       return GuidedDirections(*bsdf_, point_.shading.to_local(-direction_), point_.shading, guide_, share_)
-          .sample(u_direction_);
+          .sample(u_direction_, guide_row_);
     return visit_model(*bsdf_, [this](const auto& model) {
       // Inside, because Lambert's model does not look at where the path came from.
       return model.sample(point_.shading.to_local(-direction_), u_direction_);
@@ -326,6 +335,8 @@ class Vertex {
   bool samples_lights_, goes_on_, has_settled_ = false, without_diffuse_ = false, has_direct_ = false;
   float share_ = 0.0f;  // of the guide
   Guide::Lobe guide_;
+  int guide_row_ = 0;
+  std::uint32_t element_ = no_index;
   V2f u_light_, u_direction_;
   SurfacePoint point_;
   Bsdf resolved_;  // the model, where it varies over the surface; before bsdf_, which may point to it

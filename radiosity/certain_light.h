@@ -36,6 +36,10 @@ class CertainLight {
   [[nodiscard]] bool knows(std::uint32_t element) const {
     return element < seen_.size() && seen_[element].is_known;
   }
+  /// Asks for what is kept of an element, so that it is at hand later.
+  void prefetch(std::uint32_t element) const {
+    if (element < seen_.size()) __builtin_prefetch(&seen_[element]);
+  }
   /// Calls `add(irradiance, number of the light)` for each of the lamps that shine on a known element, at a
   /// point of it with its unit normal; W/m2, exact but for rounding.
   template <class Add>

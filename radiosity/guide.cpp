@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <compare>
+#include <limits>
 #include <numeric>
 
 #include "materials/lobes.h"
@@ -18,35 +19,38 @@ namespace twopass {
 namespace {
 
 constexpr int rows = Guide::rows, columns = Guide::columns, bins = rows * columns;
-constexpr float whole = 65536.0f;  // of a cumulative distribution
-constexpr std::uint16_t last = 65535;
 // Where light comes from few bins, so many times as many rays look for it.
 constexpr std::uint32_t rounds_where_concentrated = 4;
 constexpr float concentrated = 0.3f;  // evenness() below which it does
 
-// The interval of a cumulative distribution of n entries that holds x in [0, whole).
-template <int n>
-int find_bin(const std::uint16_t* cumulative, float x) {
-  const auto at = static_cast<std::uint16_t>(x);
-  std::uint16_t bin = 0;
-  for (int i = 0; i < n; ++i)
-    bin += cumulative[i] <= at ? 1 : 0;  // in a few instructions, and none to mispredict
-  return std::min<int>(bin, n - 1);
+// Cumulative distributions are in units of what makes the whole one more than their words hold; the last entry
+// stands for the whole.
+template <class Word>
+constexpr float whole = static_cast<float>(std::numeric_limits<Word>::max()) + 1.0f;
+
+// The interval that holds x in [0, whole).
+template <class Word, std::size_t n>
+int find_bin(const std::array<Word, n>& cumulative, float x) {
+  const auto at = static_cast<Word>(x);
+  Word bin = 0;
+  for (const Word entry : cumulative) bin += entry <= at ? 1 : 0;  // in a few instructions, and none to mispredict
+  return std::min<int>(bin, static_cast<int>(n) - 1);
 }
 
 struct Interval {
   float begin, width;
 };
-template <int n>
-Interval interval_of(const std::uint16_t* cumulative, int bin) {
-  const float begin = bin == 0 ? 0.0f : static_cast<float>(cumulative[bin - 1]);
-  const float end = bin == n - 1 ? whole : static_cast<float>(cumulative[bin]);
+template <class Word, std::size_t n>
+Interval interval_of(const std::array<Word, n>& cumulative, int bin) {
+  const auto i = static_cast<std::size_t>(bin);
+  const float begin = i == 0 ? 0.0f : static_cast<float>(cumulative[i - 1]);
+  const float end = i == n - 1 ? whole<Word> : static_cast<float>(cumulative[i]);
   return {begin, end - begin};
 }
 
 // Bins are of equal area on the square and the square's density is cosine / pi (R41).
 float density(const Interval& row, const Interval& column, float cosine) {
-  constexpr float scale = static_cast<float>(bins) / (whole * whole);
+  constexpr float scale = static_cast<float>(bins) / (whole<std::uint16_t> * whole<std::uint8_t>);
   return row.width * column.width * scale * cosine_hemisphere_pdf_w(cosine);
 }
 
@@ -68,19 +72,20 @@ int sector_of(float x, float y) {
   return x >= 0.0f ? 31 - k : 16 + k;
 }
 
-// The share of each of n bins, at least 2^-16, as a cumulative distribution. REQUIRES: positive weights.
-template <int n>
-void quantise(const float* weight, std::uint16_t* cumulative) {
+// The share of each bin, at least one unit, as a cumulative distribution. REQUIRES: positive weights.
+template <class Word, std::size_t n>
+void quantise(const float* weight, std::array<Word, n>& cumulative) {
+  constexpr int units = int{std::numeric_limits<Word>::max()} + 1, count = static_cast<int>(n);
   const double total = std::accumulate(weight, weight + n, 0.0);
   double sum = 0.0;
   int before = 0;
-  for (int i = 0; i < n - 1; ++i) {
+  for (int i = 0; i < count - 1; ++i) {
     sum += weight[i];
-    const int rounded = static_cast<int>(sum / total * 65536.0 + 0.5);
-    before = std::clamp(rounded, before + 1, 65536 - (n - 1 - i));
-    cumulative[i] = static_cast<std::uint16_t>(before);
+    const int rounded = static_cast<int>(sum / total * units + 0.5);
+    before = std::clamp(rounded, before + 1, units - (count - 1 - i));
+    cumulative[static_cast<std::size_t>(i)] = static_cast<Word>(before);
   }
-  cumulative[n - 1] = last;
+  cumulative[n - 1] = std::numeric_limits<Word>::max();
 }
 
 // The axis nearest to a normal. Of nearly equal ones always the same, whatever the rounding.
@@ -115,12 +120,17 @@ std::uint32_t facing_of(const V3f& n) {
 
 }  // namespace
 
-Guide::Lobe::Direction Guide::Lobe::sample(const V2f& u) const {
-  const float y = u.y * whole, x = u.x * whole;
-  const int row = find_bin<rows>(cell_, y);
-  const std::uint16_t* in_row = cell_ + rows + row * columns;
-  const int column = find_bin<columns>(in_row, x);
-  const Interval height = interval_of<rows>(cell_, row), width = interval_of<columns>(in_row, column);
+int Guide::Lobe::row_of(float u) const {
+  const int row = find_bin(cell_->row, u * whole<std::uint16_t>);
+  __builtin_prefetch(&cell_->column[static_cast<std::size_t>(row)]);
+  return row;
+}
+
+Guide::Lobe::Direction Guide::Lobe::sample(const V2f& u, int row) const {
+  const auto& in_row = cell_->column[static_cast<std::size_t>(row)];
+  const float y = u.y * whole<std::uint16_t>, x = u.x * whole<std::uint8_t>;
+  const int column = find_bin(in_row, x);
+  const Interval height = interval_of(cell_->row, row), width = interval_of(in_row, column);
   const V3f local =
       square_to_cosine_hemisphere({within<rows>(height, y, row), within<columns>(width, x, column)});
   return {frame_.to_world(local), density(height, width, local.z)};
@@ -131,13 +141,12 @@ float Guide::Lobe::pdf_w(const V3f& direction) const {
   if (!(local.z > 0.0f)) return 0.0f;
   const float sin2 = local.x * local.x + local.y * local.y;
   const int row = std::min(static_cast<int>(sin2 * static_cast<float>(rows)), rows - 1);
-  const int column = sector_of(local.x, local.y);
-  return density(interval_of<rows>(cell_, row), interval_of<columns>(cell_ + rows + row * columns, column),
-                 local.z);
+  return density(interval_of(cell_->row, row),
+                 interval_of(cell_->column[static_cast<std::size_t>(row)], sector_of(local.x, local.y)), local.z);
 }
 
 std::size_t Guide::memory_bytes() const {
-  return place_.size() * sizeof(place_[0]) + cumulative_.size() * sizeof(cumulative_[0]);
+  return place_.size() * sizeof(place_[0]) + cells_.size() * sizeof(cells_[0]);
 }
 
 class Guide::Builder {
@@ -206,7 +215,7 @@ class Guide::Builder {
   }
 
   void fill() {
-    guide_.cumulative_.resize((cells_.size() - 1) * stride);
+    guide_.cells_.resize(cells_.size() - 1);
     std::atomic<std::uint64_t> rays{0};
     parallel_for(groups_.size() - 1, 1, [&](std::size_t begin, std::size_t end) {
       std::uint64_t own = 0;
@@ -313,16 +322,16 @@ class Guide::Builder {
   void set(std::size_t cell, Weights& weight) {
     const float share = options_.uniform_share, even = share * sum_of(weight) / bins;
     std::array<float, rows> row{};
-    std::uint16_t* const cumulative = &guide_.cumulative_[cell * stride];
+    Cell& made = guide_.cells_[cell];
     for (std::size_t r = 0; r < rows; ++r) {
       for (std::size_t c = 0; c < columns; ++c) {
         float& w = weight[r * columns + c];
         w = (1.0f - share) * w + even;
         row[r] += w;
       }
-      quantise<columns>(&weight[r * columns], cumulative + rows + r * columns);
+      quantise(&weight[r * columns], made.column[r]);
     }
-    quantise<rows>(row.data(), cumulative);
+    quantise(row.data(), made.row);
   }
 
   // What arrives at random points of the cell, rays_per_bin times from each bin. Of a point that lies under
@@ -391,11 +400,11 @@ class Guide::Builder {
   GuideOptions options_;
   Guide& guide_;
   std::vector<std::uint32_t> members_;  // elements, by cell
-  struct Cell {
+  struct Range {
     std::size_t first;     // into members_
     std::uint32_t eighth;  // of the group's cube
   };
-  std::vector<Cell> cells_;          // and the end
+  std::vector<Range> cells_;         // by cell, and the end
   std::vector<std::size_t> groups_;  // the first cell of each, and the end
 };
 

@@ -2,6 +2,7 @@
 // from. It knows no camera. It is never trusted: whoever draws from it divides by its density.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct GuideOptions {
 /// solid angle, so the densities are those of radiance times cosine. Light straight from emitters and sky is
 /// left out, for next-event estimation finds it. Const and thread-safe once built.
 class Guide {
+  struct Cell;
+
  public:
   static constexpr int rows = 24;     ///< of the square: rings of equal sin^2 of the angle with the normal
   static constexpr int columns = 32;  ///< sectors around the normal
@@ -46,15 +49,19 @@ class Guide {
       V3f direction;  ///< unit, in the world
       float pdf_w;    ///< per steradian
     };
+    /// The row that a number in [0, 1) leads to; asks for what sample() needs of it, so that it is at hand later.
+    [[nodiscard]] int row_of(float u) const;
     /// Monotone in each coordinate of u within rows of the histogram, so that stratified numbers stay
     /// stratified.
-    [[nodiscard]] Direction sample(const V2f& u) const;
+    [[nodiscard]] Direction sample(const V2f& u) const { return sample(u, row_of(u.y)); }
+    /// The same where the row is known. REQUIRES: row = row_of(u.y).
+    [[nodiscard]] Direction sample(const V2f& u, int row) const;
     /// The density with which sample() draws a unit direction; 0 below the surface.
     [[nodiscard]] float pdf_w(const V3f& direction) const;
 
    private:
     friend class Guide;
-    const std::uint16_t* cell_ = nullptr;
+    const Cell* cell_ = nullptr;
     Frame frame_;
   };
   [[nodiscard]] Lobe at(const SurfacePoint& point) const {
@@ -66,19 +73,26 @@ class Guide {
     Lobe lobe;
     const Place& place = place_[element];
     if (place.sign == 0.0f) return lobe;
-    lobe.cell_ = &cumulative_[std::size_t{place.cell} * stride];
+    lobe.cell_ = &cells_[place.cell];
+    __builtin_prefetch(lobe.cell_);
     lobe.frame_ = frame_around(geometric_normal, place.sign);
     return lobe;
   }
 
-  [[nodiscard]] std::size_t cell_count() const { return cumulative_.size() / stride; }
+  /// Asks for what is kept of an element, so that it is at hand when at() is.
+  void prefetch(std::uint32_t element) const { __builtin_prefetch(&place_[element]); }
+
+  [[nodiscard]] std::size_t cell_count() const { return cells_.size(); }
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  // A cell: the cumulative distribution of the rows, then that within each row, in units of 2^-16. The last
-  // entry of each stands for 2^16.
-  static constexpr int stride = rows + rows * columns;
+  // Cumulative distributions, without the last entry, which is the whole: of the rows in units of 2^-16, and
+  // within each row in units of 2^-8. What a direction is drawn by is in two lines of a cache.
+  struct alignas(64) Cell {
+    std::array<std::uint16_t, rows> row;
+    alignas(32) std::array<std::array<std::uint8_t, columns>, rows> column;
+  };
   // Where an element belongs. All of a cell have one sign, so that their frames turn with the normal without a
   // jump; 0: no light arrives.
   struct Place {
@@ -99,7 +113,7 @@ class Guide {
 
   const ElementMesh* mesh_;
   std::vector<Place> place_;  // by element
-  std::vector<std::uint16_t> cumulative_;
+  std::vector<Cell> cells_;
   std::uint64_t rays_ = 0;
 };
 

@@ -116,8 +116,8 @@ TEST(Guide, TellsTheDensityOfWhatItDraws) {
       const float again = lobe.pdf_w(drawn.direction);
       // Rounding may put a direction on the other side of a bin's edge, and cosines near 0 have few digits.
       if (std::abs(again - drawn.pdf_w) > 1e-3f * drawn.pdf_w) ++different;
-      // At least the even part, but for the quantisation.
-      ASSERT_GE(drawn.pdf_w, 0.09f * cosine_hemisphere_pdf_w(drawn.direction.dot(point.geometric_normal)));
+      // At least half the even part: shares of less than two units within a row may be rounded to one.
+      ASSERT_GE(drawn.pdf_w, 0.049f * cosine_hemisphere_pdf_w(drawn.direction.dot(point.geometric_normal)));
     }
     EXPECT_LT(different, 20);
   }
