@@ -19,8 +19,8 @@ namespace twopass {
 namespace {
 
 constexpr int rows = Guide::rows, columns = Guide::columns, bins = rows * columns;
-// Where light comes from few bins, so many times as many rays look for it.
-constexpr std::uint32_t rounds_where_concentrated = 4;
+// Where light comes from few bins, so many times as many rays look for it, or fewer where there are many cells.
+constexpr std::size_t most_rounds = 4;
 constexpr float concentrated = 0.3f;  // evenness() below which it does
 
 // Cumulative distributions are in units of what makes the whole one more than their words hold; the last entry
@@ -292,8 +292,10 @@ class Guide::Builder {
     Squares squares;
     squares.own.resize(cells.size(), Weights{});
     for (std::size_t i = 0; i < cells.size(); ++i) add(cells[i], i, radiance[i], scale, squares);
+    // All rays together stay within what the largest number of cells would take.
+    const std::size_t rounds = std::clamp<std::size_t>(options_.max_cells / (cells_.size() - 1), 1, most_rounds);
     if (evenness(squares.whole) < concentrated)
-      for (std::uint32_t round = 1; round < rounds_where_concentrated; ++round)
+      for (std::uint32_t round = 1; round < rounds; ++round)
         for (std::size_t i = 0; i < cells.size(); ++i)
           add(cells[i], i, radiances_at(cells[i], round, rays), scale, squares);
     for (std::size_t i = 0; i < cells.size(); ++i) {
