@@ -1,14 +1,12 @@
 #include "integrators/two_pass.h"
 
 #include "integrators/trace.h"
+#include "radiosity/weights_from_afar.h"
 
 namespace twopass {
 
 namespace {
 
-// Gather rays shorter than this many element sizes come from so near that one constant irradiance cannot stand
-// for what the vertex sees of the element: evaluate instead.
-constexpr float contact_elements = 2.0f;
 // The field knows what arrives around the geometric normal, within rounding errors of this.
 constexpr float flat_cosine = 0.9999f;
 

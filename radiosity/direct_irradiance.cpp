@@ -207,7 +207,7 @@ C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMe
   return sum * (1.0 / samples);
 }
 
-// More emitters than can be evaluated, or analytic surfaces.
+// More emitters than can be evaluated, or analytic surfaces, or elements that are not seen as a whole.
 std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed,
                                     std::uint64_t& rays) {
   std::vector<C3d> irradiance(mesh.count(), C3d(0.0));
@@ -231,7 +231,9 @@ std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
 
 DirectIrradiance from_emitters(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
                                bool conserve, std::uint32_t seed, std::uint64_t& rays) {
-  std::vector<Emitter> emitters = analytic_emitters(scene, mesh);
+  // Lambert's formula is for whole elements.
+  std::vector<Emitter> emitters;
+  if (mesh.weights().empty()) emitters = analytic_emitters(scene, mesh);
   if (emitters.empty()) return {sampled_irradiance(scene, mesh, seed, rays), {}};
   AnalyticDirect analytic(scene, mesh, std::move(emitters));
   analytic.find_exchange(method, seed, rays);

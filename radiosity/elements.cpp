@@ -32,6 +32,19 @@ ElementCell unpack(std::uint32_t packed, std::uint32_t root_divisions) {
           root_divisions << level_of(packed)};
 }
 
+// The quarter of a cell in which a place is; its coordinates become those in the quarter. By arithmetic: which
+// quarter a ray meets is nothing that the processor could predict.
+std::uint32_t enter_quarter(float& u, float& v) {
+  const float a = u, b = v;
+  const std::int32_t beyond_0 = a + b > 0.5f ? 1 : 0, at_1 = a >= 0.5f ? 1 : 0, at_2 = b >= 0.5f ? 1 : 0;
+  const std::int32_t child = beyond_0 * (3 - 2 * at_1 - (at_2 & ~at_1));
+  const std::int32_t middle = child == 3 ? 1 : 0;
+  const auto scale = static_cast<float>(2 - 4 * middle);
+  u = scale * a + static_cast<float>(middle - (child == 1 ? 1 : 0));
+  v = scale * b + static_cast<float>(middle - (child == 2 ? 1 : 0));
+  return static_cast<std::uint32_t>(child);
+}
+
 struct Parent {
   ElementCell cell;
   int child;  // which of its quarters
@@ -351,15 +364,8 @@ ElementMesh::Location ElementMesh::find_in_root(std::uint32_t root_index, float 
   if (root.first_cell == no_index) return location;
   std::uint32_t node = cells_[root.first_cell + cell];
   while (node & refined) {
-    const float a = location.u, b = location.v;
-    // By arithmetic: which quarter a ray meets is nothing that the processor could predict.
-    const std::int32_t beyond_0 = a + b > 0.5f ? 1 : 0, at_1 = a >= 0.5f ? 1 : 0, at_2 = b >= 0.5f ? 1 : 0;
-    const std::int32_t child = beyond_0 * (3 - 2 * at_1 - (at_2 & ~at_1));
-    const std::int32_t middle = child == 3 ? 1 : 0;
-    const auto scale = static_cast<float>(2 - 4 * middle);
-    location.u = scale * a + static_cast<float>(middle - (child == 1 ? 1 : 0));
-    location.v = scale * b + static_cast<float>(middle - (child == 2 ? 1 : 0));
-    node = cells_[(node & ~refined) + static_cast<std::uint32_t>(child)];
+    const std::uint32_t child = enter_quarter(location.u, location.v);
+    node = cells_[(node & ~refined) + child];
   }
   location.element = node;
   return location;
@@ -403,8 +409,28 @@ double ElementMesh::whole_area(std::uint32_t element) const {
   return sum;
 }
 
+std::uint32_t ElementMesh::sixteenth_at(const Location& location) {
+  float u = location.u, v = location.v;
+  const std::uint32_t quarter = enter_quarter(u, v);
+  return 4 * quarter + enter_quarter(u, v);
+}
+
 ElementPoint ElementMesh::sample(std::uint32_t element, const V2f& u) const {
-  if (!is_cluster(element)) return patch(element).sample(u);
+  if (is_even_cell(element)) return patch(element).sample(u);
+  if (!is_cluster(element)) {
+    const Weights& weights = weights_[element];
+    float left = u.x * static_cast<float>(std::accumulate(weights.begin(), weights.end(), 0u));
+    int chosen = -1;
+    for (int k = 0; k < 16; ++k) {
+      if (weights[k] == 0) continue;
+      if (chosen >= 0 && left < static_cast<float>(weights[chosen])) break;
+      if (chosen >= 0) left -= static_cast<float>(weights[chosen]);
+      chosen = k;
+    }
+    const ElementCell part = child_cell(child_cell(cell(element), chosen / 4), chosen % 4);
+    return cell_patch(root(element), part)
+        .sample({std::min(left / static_cast<float>(weights[chosen]), 0x1.fffffep-1f), u.y});
+  }
   const std::uint32_t cluster = place_[element].cell;
   const auto first = member_share_.begin() + first_member_[cluster];
   const auto last = member_share_.begin() + first_member_[cluster + 1];
@@ -420,7 +446,7 @@ void ElementMesh::expose(std::span<const float> fraction) {
 
 std::size_t ElementMesh::memory_bytes() const {
   return roots_.size() * sizeof(ElementRoot) + count() * (sizeof(Place) + sizeof(float)) +
-         count() * sizeof(reflectance_[0]) + shapes_.size() * sizeof(first_root_[0]) +
+         count() * sizeof(reflectance_[0]) + weights_.size() * sizeof(Weights) + shapes_.size() * sizeof(first_root_[0]) +
          (cells_.size() + first_member_.size() + member_.size() + member_share_.size()) * sizeof(std::uint32_t);
 }
 

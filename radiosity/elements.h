@@ -2,6 +2,7 @@
 // the ray caster never sees them, so they cost no geometry and cannot crack.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -75,10 +76,6 @@ class ElementMesh {
   /// and clusters stay as they are. REQUIRES: one flag an element. The new elements are wholly exposed.
   [[nodiscard]] ElementMesh split(const std::vector<bool>& chosen) const;
 
-  [[nodiscard]] std::size_t count() const { return place_.size(); }
-
-  /// The element of a point on the viewer's side, or no_index.
-  [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const { return locate(point).element; }
   /// An element, and where in it: barycentric coordinates of its corners 1 and 2 in the order of
   /// `cell_corners`; in a cluster, those of the triangle that was hit.
   struct Location {
@@ -86,6 +83,21 @@ class ElementMesh {
     std::uint32_t root;  ///< index into roots() of the triangle that was hit
     float u, v;
   };
+
+  /// By sixteenth of a cell, in proportion: the number 4 i + j is the quarter j of its quarter i (child_cell).
+  using Weights = std::array<std::uint8_t, 16>;
+  /// From now on points are drawn by these weights: what an element sees and sends is that of where rays from
+  /// afar meet it (R48). All 0: uniformly. REQUIRES: one entry a cell, in the order of elements.
+  void weigh(std::vector<Weights> weights) { weights_ = std::move(weights); }
+  /// As weigh() was told; empty: all points are drawn uniformly.
+  [[nodiscard]] const std::vector<Weights>& weights() const { return weights_; }
+  /// The number of the sixteenth of a cell in which a place is. REQUIRES: it is not in a cluster.
+  [[nodiscard]] static std::uint32_t sixteenth_at(const Location& location);
+
+  [[nodiscard]] std::size_t count() const { return place_.size(); }
+
+  /// The element of a point on the viewer's side, or no_index.
+  [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const { return locate(point).element; }
   /// As `find`, and where in the element.
   [[nodiscard]] Location locate(const SurfacePoint& point) const {
     const std::uint32_t base = first_root_[point.shape][point.side];
@@ -115,6 +127,10 @@ class ElementMesh {
   }
   /// Whether the element is a set of small triangles rather than one piece.
   [[nodiscard]] bool is_cluster(std::uint32_t element) const { return root(element).divisions == 0; }
+  /// Whether it is a cell on which points are drawn uniformly.
+  [[nodiscard]] bool is_even_cell(std::uint32_t element) const {
+    return !is_cluster(element) && (weights_.empty() || weights_[element] == Weights{});
+  }
   /// How many patches the element has; 1 unless it is a cluster.
   [[nodiscard]] std::size_t patch_count(std::uint32_t element) const {
     return is_cluster(element) ? members(element).size() : 1;
@@ -123,7 +139,7 @@ class ElementMesh {
   [[nodiscard]] Patch patch(std::uint32_t element, std::size_t k = 0) const;
   /// Area of the true surface, buried parts included.
   [[nodiscard]] double whole_area(std::uint32_t element) const;
-  /// A point uniform in area for u uniform in the unit square.
+  /// A point uniform in area, or as weigh() says, for u uniform in the unit square.
   [[nodiscard]] ElementPoint sample(std::uint32_t element, const V2f& u) const;
 
   /// A point in the middle; of a cluster, in a triangle near the middle of its list.
@@ -176,23 +192,24 @@ class ElementMesh {
   std::vector<Place> place_;                 // by element
   std::vector<float> area_;                  // by element
   std::vector<C3f> reflectance_;             // by element
+  std::vector<Weights> weights_;             // by cell, or empty
 };
 
 /// Points of one element, many times: finds out once what they have in common. REQUIRES: the mesh outlives it.
 class ElementSampler {
  public:
   ElementSampler(const ElementMesh& mesh, std::uint32_t element)
-      : mesh_(mesh), element_(element), patch_(mesh.patch(element)), is_cluster_(mesh.is_cluster(element)) {}
-  /// A point uniform in area for u uniform in the unit square.
+      : mesh_(mesh), element_(element), patch_(mesh.patch(element)), is_even_cell_(mesh.is_even_cell(element)) {}
+  /// As ElementMesh::sample().
   [[nodiscard]] ElementPoint operator()(const V2f& u) const {
-    return is_cluster_ ? mesh_.sample(element_, u) : patch_.sample(u);
+    return is_even_cell_ ? patch_.sample(u) : mesh_.sample(element_, u);
   }
 
  private:
   const ElementMesh& mesh_;
   std::uint32_t element_;
   Patch patch_;
-  bool is_cluster_;
+  bool is_even_cell_;
 };
 
 }  // namespace twopass

@@ -259,6 +259,13 @@ ExchangeMatrix exchange_from_landings(const RaySurvey& survey, const ElementMesh
     }
   }
   hits.finalize();
+  if (!mesh.weights().empty()) {
+    // Rays from weighted points say what the element sees, not what sees it.
+    for (std::uint32_t i = 0; i < mesh.count(); ++i)
+      for (ExchangeMatrix::InnerIterator it(hits, i); it; ++it)
+        it.valueRef() *= static_cast<float>(1.0 / rays_by_area[i]);
+    return hits;
+  }
   const ExchangeMatrix reverse = hits.transpose();
   ExchangeMatrix exchange = hits + reverse;
   // (R13): each of the two counts is Poisson of mean N F; their sum over N / A_i + N / A_j has the least

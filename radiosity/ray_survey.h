@@ -58,7 +58,8 @@ RaySurvey survey_with_rays(const Scene& scene, const ElementMesh& mesh, std::uin
                            std::uint32_t seed, Keep keep = Keep::landings);
 
 /// The estimate of the exchange from the landings of both elements (R13). Symmetric; the sums of its rows are
-/// off by the statistics. REQUIRES: a survey that kept its landings.
+/// off by the statistics. Where points are weighted (ElementMesh::weigh), from those of the element of the row
+/// alone: not symmetric, and the sums are right. REQUIRES: a survey that kept its landings.
 ExchangeMatrix exchange_from_landings(const RaySurvey& survey, const ElementMesh& mesh);
 
 }  // namespace twopass

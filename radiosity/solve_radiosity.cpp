@@ -8,6 +8,7 @@
 #include "radiosity/stochastic.h"
 #include "radiosity/subdivision.h"
 #include "radiosity/view_parts.h"
+#include "radiosity/weights_from_afar.h"
 #include "render/core/error.h"
 
 namespace twopass {
@@ -137,7 +138,8 @@ std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh&
   const Balance balance = assemble_balance(scene, mesh, options, choice.method, stats);
   Solver solver = choice.solver;
   // Conjugate gradients are never slower, and much faster where little is absorbed, but they want symmetry.
-  if (solver == Solver::automatic) solver = balance.specular.link.empty() ? Solver::cg : Solver::gauss_seidel;
+  const bool is_symmetric = balance.specular.link.empty() && mesh.weights().empty();
+  if (solver == Solver::automatic) solver = is_symmetric ? Solver::cg : Solver::gauss_seidel;
   const bool is_series = options.max_reflections >= 0 && !is_limit_negligible(balance, options);
   const SolverResult result =
       is_series ? solve_series(balance, options.max_reflections) : run_solver(solver, balance, options);
@@ -244,9 +246,19 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
   return mesh;
 }
 
+// The elements that the solution is found on. Where triangles are so small that elements are not cut adaptively,
+// they are weighted by what is seen of them. Solvers that want symmetry see them as a whole.
+ElementMesh final_elements(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
+                           const Choice& choice, RadiosityStats& stats) {
+  if (choice.is_adaptive) return refine_adaptively(scene, std::move(mesh), options, choice, stats);
+  if (choice.method == FormFactorMethod::rays && choice.solver == Solver::automatic && !options.view.empty())
+    mesh.weigh(weights_from_afar(scene, mesh, options.view, options.seed, stats.rays));
+  return mesh;
+}
+
 // On elements that are wholly exposed.
 Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options, const Choice& choice,
-                    bool refines) {
+                    bool is_final) {
   RadiosityStats stats;
   stats.max_reflections = options.max_reflections;
   const bool is_dark =
@@ -259,7 +271,7 @@ Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions
     std::vector<Irradiance> darkness(mesh.count());
     return Solution(std::move(mesh), std::move(darkness), std::move(stats));
   }
-  if (refines) mesh = refine_adaptively(scene, std::move(mesh), options, choice, stats);
+  if (!is_final) mesh = final_elements(scene, std::move(mesh), options, choice, stats);
   std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
 }
@@ -279,7 +291,7 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested) 
   const Choice choice = settle(scene, options);
   ElementMesh mesh =
       divide_surfaces(scene, choice.is_adaptive ? choice.max_elements / coarse_part : choice.max_elements);
-  return solve_from(scene, std::move(mesh), options, choice, choice.is_adaptive);
+  return solve_from(scene, std::move(mesh), options, choice, false);
 }
 
 Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
@@ -291,7 +303,8 @@ Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
   for (std::uint32_t i = 0; i < elements.count(); ++i)
     saved.area[i] = static_cast<float>(elements.whole_area(i));
   std::optional<ElementMesh> mesh = ElementMesh::restore(scene.shapes(), scene.description().materials, saved);
-  return solve_from(scene, std::move(*mesh), options, choice, false);
+  mesh->weigh(elements.weights());
+  return solve_from(scene, std::move(*mesh), options, choice, true);
 }
 
 }  // namespace twopass
