@@ -48,8 +48,24 @@ IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
   return field_->at(point);
 }
 
+// (I19)
+void TwoPass::add_caustics(Vertex& vertex) const {
+  const SurfacePoint& point = vertex.point();
+  const C3f albedo = vertex.diffuse_albedo() * (1.0f / pi_f);
+  if (!vertex.has_layers()) return vertex.add_caustic(albedo * caustics_->irradiance(point), 0);
+  caustics_->visit(point, [&](const C3f& irradiance, std::uint32_t light) {
+    vertex.add_caustic(albedo * irradiance, light);
+  });
+}
+
 void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
   trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
+    if (caustics_) {
+      if (scene_.side(vertex.point()).scatters_without_diffusing())
+        vertex.pass_on_caustics();
+      else
+        vertex.set_has_caustics();
+    }
     if (is_specular(vertex.bsdf())) return Step::scatter;
     // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
     if (vertex.gathers() && vertex.scatterings() >= least_scatterings_ &&
@@ -58,6 +74,7 @@ void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
       vertex.add(vertex.diffuse_albedo() * irradiance.total() * (1.0f / pi_f), irradiance, LookUp::element);
       return after_look_up(vertex);
     }
+    if (caustics_ && !is_black(diffuse_reflectance(vertex.bsdf()))) add_caustics(vertex);
     const IndirectField::LookUp found = look_up(vertex);
     if (found.known >= Known::indirect) {
       const C3f direct = vertex.has_layers() ? field_->direct_at(vertex.point()) : C3f(0.0f);

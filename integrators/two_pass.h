@@ -5,7 +5,8 @@
 //   family            at x                                    carried by
 //   Le, Le S+         emission seen by the camera             the camera path, in full
 //   L D               direct light at x                       next-event estimation + gather ray, MIS
-//   L S+ D            caustic at x                            gather ray that goes S+ to L, in full
+//   L S+ D            caustic at x                            the map of caustics; without one, the gather ray
+//                                                             that goes S+ to L, in full
 //   L (D|S)* D S* D   light from a diffuse vertex y           gather ray S* to y: solution's irradiance at y,
 //   times the
 //                                                             reflectance at y; no next-event estimation at y
@@ -19,6 +20,7 @@
 
 #include "integrators/integrator.h"
 #include "integrators/pass_one.h"
+#include "radiosity/caustic_map.h"
 #include "radiosity/guide.h"
 #include "radiosity/indirect_field.h"
 #include "radiosity/solution.h"
@@ -36,18 +38,21 @@ class TwoPass final : public Integrator {
         solution_(pass_one.solution),
         field_(pass_one.field),
         guide_(pass_one.guide),
+        caustics_(pass_one.caustics),
         least_scatterings_(pass_one.gathers_twice ? 2 : 1),
         limits_(limits) {}
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
   [[nodiscard]] bool resolves(const SurfacePoint& point, float distance) const;
+  void add_caustics(Vertex& vertex) const;
   [[nodiscard]] IndirectField::LookUp look_up(const Vertex& vertex) const;
 
   const Scene& scene_;
   const Solution* solution_;
   const IndirectField* field_;
   const Guide* guide_;
+  const CausticMap* caustics_;
   int least_scatterings_;  // before the solution is read
   PathLimits limits_;
 };

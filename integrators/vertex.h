@@ -23,6 +23,10 @@ struct Carried {
   int scatterings = 0;         ///< other than at mirrors and glass
   int passed = 0;              ///< surfaces that it went straight through; no edge ends there
   float passed_length = 0.0f;  ///< from the last vertex to the last of them
+  /// Since the last surface that diffuses, the path has gone over others alone; and the part of it for which
+  /// light that lamps send that way has not been added there (I19).
+  bool over_specular = false;
+  C3f uncharted{1.0f};
   C3f expected{0.0f};          ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
 };
 
@@ -93,7 +97,8 @@ class Vertex {
 
   /// Adds the light met here (I2). False: the path has all the edges that it may have.
   bool arrive() {
-    const C3f emitted = scene_->emitted_radiance(point_);
+    C3f emitted = scene_->emitted_radiance(point_);
+    if (carried_->over_specular) emitted *= carried_->uncharted;
     const bool hidden = limits_->hide_emitters && edges_ == 1 && !is_black(emitted);
     if (edges_ == 1) {
       sample_->seen.alpha = hidden || is_hole() ? 0.0f : 1.0f;
@@ -138,6 +143,19 @@ class Vertex {
       sample_->layers->add_scattered(
           added, edges_ > 1 ? sample_->layers->scatter : FirstScatter{C3f(1.0f), false}, edges_ == 1, light);
   }
+  /// Adds what diffuse reflection sends along the path of light that arrives over surfaces that do not diffuse.
+  void add_caustic(const C3f& radiance, std::uint32_t light) {
+    const C3f added = clamped(carried_->throughput * radiance, edges_ + 2, *limits_);
+    sample_->seen.radiance += added;
+    if (sample_->layers) [[unlikely]]
+      sample_->layers->add_scattered(
+          added, edges_ > 1 ? sample_->layers->scatter : FirstScatter{C3f(1.0f), false}, false, light);
+  }
+  /// What lamps send here over surfaces that do not diffuse has been added, for what diffuse reflection makes of
+  /// it (I19): the path finds the rest of it.
+  void set_has_caustics() { caustics_ = Caustics::known; }
+  /// The surface does not diffuse: what the last one that does has of it, the path does not find again.
+  void pass_on_caustics() { caustics_ = Caustics::passed; }
   /// All direct light of the vertex has been added: no ray from here may find it again.
   void set_has_direct() { has_direct_ = true; }
 
@@ -159,6 +177,8 @@ class Vertex {
     Connection connection =
         sample_direct_light(*scene_, point_, *bsdf_, direction_, goes_on_ ? Rival::scattered_ray : Rival::none,
                             u_light_, share_ > 0.0f ? &guide_ : nullptr, share_);
+    if (caustics_ == Caustics::passed && connection.light < scene_->shapes().size())
+      connection.radiance *= carried_->uncharted;
     connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
     if (without_diffuse_ && !is_black(connection.radiance))
       connection.radiance *= glossy_share(unit(connection.segment.to - connection.segment.from));
@@ -192,6 +212,11 @@ class Vertex {
       carried.throughput *= glossy_share(direction);
       if (is_black(carried.throughput)) return false;
     }
+    if (caustics_ == Caustics::known) {
+      carried.over_specular = false;
+      carried.uncharted = drawn->is_specular || without_diffuse_ ? C3f(1.0f) : glossy_share(direction);
+    }
+    carried.over_specular = carried.over_specular || caustics_ == Caustics::passed;
     carried.relative_ior *= drawn->eta;
     carried.last_pdf_w = drawn->pdf_w;
     carried.last_was_specular = drawn->is_specular;
@@ -325,6 +350,8 @@ class Vertex {
     });
   }
 
+  enum class Caustics : std::uint8_t { unknown, known, passed };
+
   const Scene* scene_;
   const PathLimits* limits_;
   PathSample* sample_;
@@ -333,6 +360,7 @@ class Vertex {
   int edges_;
   float distance_;
   bool samples_lights_, goes_on_, has_settled_ = false, without_diffuse_ = false, has_direct_ = false;
+  Caustics caustics_ = Caustics::unknown;
   float share_ = 0.0f;  // of the guide
   Guide::Lobe guide_;
   int guide_row_ = 0;

@@ -6,6 +6,7 @@
 #include <compare>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "materials/lobes.h"
 #include "radiosity/specular_path.h"
@@ -378,13 +379,15 @@ class Guide::Builder {
     C3f sum = reflected(mesh_.find(point));
     if (!is_more_than_diffuse(scene_.side(point))) return sum;
     SpecularPath path(scene_, ray, point, Carried::radiance, sampler);
+    bool leaves_out = options_.without_caustics && scene_.side(point).scatters_without_diffusing();
     while (path.next()) {
       const SpecularPathEnd& end = path.end();
       if (end.escaped) {
         sum += end.weight * scene_.environment().radiance(end.direction);
         break;
       }
-      sum += end.weight * (scene_.emitted_radiance(end.point) + reflected(mesh_.find(end.point)));
+      if (!std::exchange(leaves_out, false)) sum += end.weight * scene_.emitted_radiance(end.point);
+      sum += end.weight * reflected(mesh_.find(end.point));
     }
     rays += path.rays();
     return sum;

@@ -19,6 +19,8 @@ struct GuideOptions {
   /// Part of the density that is spread evenly, in (0, 1]: what the few rays have missed is found all the same.
   float uniform_share = 0.1f;
   std::uint32_t seed = 0;
+  /// What lamps send straight over mirrors, glass and metals is not looked for, either.
+  bool without_caustics = false;
   /// By element: whether anyone will ask there; empty: everywhere. Cells where nobody asks have no guide, and
   /// what is learnt there is missing in those around.
   std::vector<bool> wanted{};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <optional>
+#include <utility>
 
 #include "radiosity/lamp_light.h"
 #include "radiosity/landing.h"
@@ -97,7 +98,7 @@ class Gathering {
     }
     return gather(direct, options, [&](std::uint32_t k, Gathered& sum) {
       Sampler sampler(options.seed, vertex, k);
-      add_ray(starts[k % starts.size()], sampler, sum, rays);
+      add_ray(starts[k % starts.size()], options, sampler, sum, rays);
     });
   }
 
@@ -111,7 +112,7 @@ class Gathering {
     const Start from = start(face, part, 1.0f);
     return gather(direct, options, [&](std::uint32_t k, Gathered& sum) {
       Sampler sampler(~options.seed, face, k);
-      add_ray(from, sampler, sum, rays);
+      add_ray(from, options, sampler, sum, rays);
     });
   }
 
@@ -174,7 +175,8 @@ class Gathering {
             Frame(V3f(patch.normal))};
   }
 
-  void add_ray(const Start& from, Sampler& sampler, Gathered& sum, std::uint64_t& rays) const {
+  void add_ray(const Start& from, const IndirectFieldOptions& options, Sampler& sampler, Gathered& sum,
+               std::uint64_t& rays) const {
     if (!from.is_there) return;
     const V2f p = square_to_triangle(sampler.next_2d());
     const ElementPoint start{
@@ -188,23 +190,24 @@ class Gathering {
     if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
     C3d found(0.0);
     if (landing.kind == Landing::on_element) found = radiosity_[landing.element];
-    if (landing.goes_on) found += over_specular(ray, landing, sampler, sum.caustic, rays);
+    if (landing.goes_on) found += over_specular(ray, landing, options.without_caustics, sampler, sum.caustic, rays);
     sum.irradiance += found;
     const double b = brightness(found);
     sum.brightness2 += b * b;
   }
 
   // pi times the radiance that elements send over mirrors, glass and glossy lobes; that of lamps into
-  // `caustic`, too.
-  [[nodiscard]] C3d over_specular(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
-                                  std::uint64_t& rays) const {
+  // `caustic`, too, or, if they are left out, only what comes over other glossy lobes as well.
+  [[nodiscard]] C3d over_specular(const Ray& ray, const Landing& landing, bool leaves_out, Sampler& sampler,
+                                  C3d& caustic, std::uint64_t& rays) const {
     C3d found(0.0);
     SpecularPath path(scene_, ray, landing.point, Carried::radiance, sampler);
+    leaves_out = leaves_out && landing.kind == Landing::on_specular;
     while (path.next()) {
       const SpecularPathEnd& end = path.end();
       const C3f lamp =
           end.escaped ? scene_.environment().radiance(end.direction) : scene_.emitted_radiance(end.point);
-      const C3d of_lamp = C3d(end.weight * lamp) * pi;
+      const C3d of_lamp = std::exchange(leaves_out, false) && !end.escaped ? C3d(0.0) : C3d(end.weight * lamp) * pi;
       caustic += of_lamp;
       found += of_lamp;
       if (end.escaped) break;

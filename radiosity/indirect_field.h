@@ -17,6 +17,9 @@ struct IndirectFieldOptions {
   /// Largest error of direct light that is looked up, too (R43), relative to all the light there.
   double direct_tolerance = 0.005;
   bool with_direct = true;  ///< direct light is looked up at all
+  /// What lamps send straight over mirrors, glass and metals is not part of it: a CausticMap has that. Otherwise
+  /// nothing is looked up where there is more than a trace of it.
+  bool without_caustics = false;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
   std::uint32_t least_rays = 64, most_rays = 512;

@@ -54,6 +54,7 @@ GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, c
   options.cell_size = 0.05f;
   options.max_cells = 4096;
   options.wanted = seen;
+  options.without_caustics = done.caustics != nullptr;
   if (!done.field) return options;
   options.wanted.resize(done.solution->mesh().count(), true);
   for (std::uint32_t e = 0; e < done.solution->mesh().count(); ++e)
@@ -83,12 +84,18 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   done.solution = std::make_unique<const Solution>(job.solved ? std::move(*job.solved)
                                                               : solve_radiosity(job.scene, job.radiosity));
   done.solution_time = stopwatch.elapsed();
+  if (job.plan.caustic_map) {
+    stopwatch = Stopwatch();
+    done.caustics = std::make_unique<const CausticMap>(job.scene, CausticMapOptions{.seed = job.radiosity.seed});
+    done.caustics_time = stopwatch.elapsed();
+  }
   const std::vector<bool> seen = seen_elements(job, *done.solution);
   if (job.plan.indirect_field) {
     stopwatch = Stopwatch();
     IndirectFieldOptions options;
     options.seed = job.radiosity.seed;
     options.wanted = seen;
+    options.without_caustics = done.caustics != nullptr;
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
     done.field_time = stopwatch.elapsed();
   }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "integrators/pass_one.h"
+#include "radiosity/caustic_map.h"
 #include "radiosity/guide.h"
 #include "radiosity/indirect_field.h"
 #include "radiosity/solution.h"
@@ -21,11 +22,14 @@ struct PreparedPassOne {
   std::unique_ptr<const Solution> solution;  // on the heap: field and guide point into it
   std::unique_ptr<const IndirectField> field;
   std::unique_ptr<const Guide> guide;
+  std::unique_ptr<const CausticMap> caustics;
   bool gathers_twice = false;
-  Elapsed solution_time, field_time, guide_time;
+  Elapsed solution_time, field_time, guide_time, caustics_time;
 
-  [[nodiscard]] PassOne view() const { return {solution.get(), field.get(), guide.get(), gathers_twice}; }
-  [[nodiscard]] Elapsed time() const { return solution_time + field_time + guide_time; }
+  [[nodiscard]] PassOne view() const {
+    return {solution.get(), field.get(), guide.get(), caustics.get(), gathers_twice};
+  }
+  [[nodiscard]] Elapsed time() const { return solution_time + field_time + guide_time + caustics_time; }
 };
 
 /// Which pass one to run. REQUIRES: the scene outlives what is prepared.

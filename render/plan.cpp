@@ -8,14 +8,17 @@ SceneNeeds needs_of(const SceneDescription& scene) {
   SceneNeeds needs;
   needs.sky = !scene.environment.is_black();
   needs.light = needs.sky || !scene.punctual_lights.empty();
+  bool has_lamps = false, has_others = false;
   for (const Shape& shape : scene.shapes) {
-    if (is_emitter(shape)) needs.light = true;
+    if (is_emitter(shape)) needs.light = has_lamps = true;
     for (const MaterialSide& side : scene.materials[shape.material].side) {
       if (!is_black(side.traits().mean_diffuse_reflectance)) needs.diffuse_reflection = true;
       if (side.traits().may_be_specular) needs.specular = true;
       if (side.traits().is_see_through) needs.see_through = true;
+      if (side.scatters_without_diffusing()) has_others = true;
     }
   }
+  needs.caustics = has_lamps && has_others;
   return needs;
 }
 
@@ -44,6 +47,8 @@ Plan plan_render(const SceneNeeds& needs, IntegratorKind integrator, const PathL
     else
       plan.indirect_field = true;
   }
+  plan.caustic_map =
+      plan.radiosity_pass && integrator == IntegratorKind::two_pass && needs.caustics && !is_clamped(limits);
   plan.guide = plan.radiosity_pass && is_guided(integrator);
   return plan;
 }

@@ -14,6 +14,7 @@ struct SceneNeeds {
   bool light = false;               ///< something emits
   bool diffuse_reflection = false;  ///< some surface reflects diffusely
   bool specular = false;            ///< some surface is a mirror or glass
+  bool caustics = false;            ///< lamps, and surfaces that scatter without diffusing
   bool see_through = false;         ///< light passes straight through some surface: a mask
   bool sky = false;                 ///< the environment shines
 };
@@ -24,6 +25,7 @@ struct Plan {
   bool radiosity_pass = false;
   bool indirect_field = false;  ///< with it: what need not be gathered is looked up (radiosity, R39)
   bool guide = false;           ///< with it: directions are drawn where light comes from (radiosity, R41)
+  bool caustic_map = false;     ///< with it: caustics are looked up, where there may be any (radiosity, R49)
   std::vector<Skipped> skipped;
 };
 /// What the integrator needs of the scene. The picture is the same with and without what is skipped.

@@ -23,9 +23,14 @@ constexpr std::uint32_t own_seeds = 0x5a3c91e7u;
 // The path tracer up to where `twopass` would read a solution.
 class WithoutSolution final : public Integrator {
  public:
-  WithoutSolution(const Scene& scene, const PathLimits& limits) : scene_(scene), limits_(limits) {}
+  WithoutSolution(const Scene& scene, const PathLimits& limits, bool caustics_known)
+      : scene_(scene), limits_(limits), caustics_known_(caustics_known) {}
   void trace(std::span<PathSample> samples, RayCounts& counts) const override {
-    trace_bundles(scene_, limits_, samples, counts, [](Vertex& vertex) {
+    trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
+      if (caustics_known_ && scene_.side(vertex.point()).scatters_without_diffusing())
+        vertex.pass_on_caustics();
+      else if (caustics_known_)
+        vertex.set_has_caustics();
       if (is_specular(vertex.bsdf())) return Step::scatter;
       if (vertex.gathers() && !is_black(diffuse_reflectance(vertex.bsdf()))) return Step::end;
       return Step::light_and_scatter;
@@ -35,6 +40,7 @@ class WithoutSolution final : public Integrator {
  private:
   const Scene& scene_;
   PathLimits limits_;
+  bool caustics_known_;
 };
 
 struct Look {
@@ -91,11 +97,11 @@ double ViewProbe::gain() const {
 }
 
 ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow& window,
-                     const PathLimits& limits, std::uint32_t seed) {
+                     const PathLimits& limits, std::uint32_t seed, bool caustics_known) {
   constexpr std::size_t parts = std::size_t{parts_a_side} * parts_a_side;
   std::array<ViewProbe, parts> probes;
   const PathTracer path(scene, limits);
-  const WithoutSolution without(scene, limits);
+  const WithoutSolution without(scene, limits, caustics_known);
   parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t part = begin; part < end; ++part) {
       const std::vector<PathSample> samples =
@@ -117,7 +123,7 @@ ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow
 void fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene, const Camera& camera,
                  const PixelWindow& window, const PathLimits& limits, std::uint32_t seed, bool has_solution) {
   if (!plan.radiosity_pass || integrator != IntegratorKind::two_pass || has_solution) return;
-  const ViewProbe probe = probe_view(scene, camera, window, limits, seed);
+  const ViewProbe probe = probe_view(scene, camera, window, limits, seed, plan.caustic_map);
   if (probe.gain() >= least_gain) return;
   const bool sees_none = probe.variance_without >= probe.variance;
   plan = {.skipped = {{"radiosity pass",

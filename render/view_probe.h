@@ -22,9 +22,10 @@ struct ViewProbe {
   [[nodiscard]] double gain() const;
 };
 
-/// 2048 pairs of paths, spread over 8x8 parts of the picture. Deterministic.
+/// 2048 pairs of paths, spread over 8x8 parts of the picture. Deterministic. `caustics_known`: pass one brings
+/// them, too.
 ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow& window,
-                     const PathLimits& limits, std::uint32_t seed);
+                     const PathLimits& limits, std::uint32_t seed, bool caustics_known = false);
 
 /// The gain below which pass one is not worth its own time.
 inline constexpr double least_gain = 1.15;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"
+#include "radiosity/caustic_map.h"
 #include "radiosity/solution.h"
 #include "tests/support/measure.h"
 #include "tests/support/scenes.h"
@@ -102,6 +103,15 @@ TEST_P(FamiliesTest, TwoPassCarriesTheFamilyOnce) {
   // A family lost or doubled is 100 % off; elements and their rays may be off by 1 %. Level 1e-5.
   EXPECT_NEAR(ours.mean(), truth.mean(),
               4.4 * std::hypot(ours.standard_error(), truth.standard_error()) + 0.01 * truth.mean());
+  // The same with caustics from a map.
+  const CausticMap caustics(scene);
+  if (caustics.empty()) return;
+  const auto with_map =
+      make_integrator(IntegratorKind::two_pass, scene, {.solution = &solution, .caustics = &caustics}, {});
+  const test::Estimate mapped =
+      test::mean_radiance(*with_map, c.origin, c.axis, c.cos_half_angle, 100000, 1);
+  EXPECT_NEAR(mapped.mean(), truth.mean(),
+              4.4 * std::hypot(mapped.standard_error(), truth.standard_error()) + 0.015 * truth.mean());
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, FamiliesTest, testing::ValuesIn(cases()),

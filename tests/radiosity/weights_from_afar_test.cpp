@@ -1,0 +1,102 @@
+#include "radiosity/weights_from_afar.h"
+
+#include <gtest/gtest.h>
+
+#include "radiosity/solution.h"
+#include "radiosity/subdivision.h"
+#include "render/core/parallel.h"
+#include "render/core/sampler.h"
+#include "render/core/warp.h"
+#include "tests/support/scenes.h"
+
+namespace twopass {
+namespace {
+
+// A wall that stands in a lit room and goes on through its floor, into the dark.
+SceneDescription deep_wall() {
+  SceneDescription scene = test::unit_room(C3f(0.5f), C3f(1.0f), C3f(0.5f));
+  const Diffuse white{C3f(0.5f)};
+  scene.materials.push_back(two_sided("wall", white, white));
+  Shape wall;
+  wall.name = "wall";
+  wall.geometry = test::quad(V3f(0.6f, 0.01f, -0.4f), V3f(0, 0.98f, 0), V3f(0, 0, 0.98f));
+  wall.material = static_cast<std::uint32_t>(scene.materials.size() - 1);
+  scene.shapes.push_back(wall);
+  return scene;
+}
+
+std::vector<Ray> view() {
+  std::vector<Ray> rays;
+  for (std::uint32_t k = 0; k < 512; ++k) {
+    Sampler sampler(3, 0, k);
+    rays.push_back({V3f(0.2f, 0.5f, 0.5f), unit(square_to_sphere(sampler.next_2d()))});
+  }
+  return rays;
+}
+
+TEST(WeightsFromAfar, NothingIsDrawnWhereNobodySees) {
+  const SceneDescription description = deep_wall();
+  const Scene scene(description);
+  ElementMesh mesh = divide_surfaces(scene, 400);
+  std::uint64_t rays = 0;
+  mesh.weigh(weights_from_afar(scene, mesh, view(), 1, rays));
+  EXPECT_GT(rays, 50 * mesh.count());
+  const auto wall = static_cast<std::uint32_t>(description.shapes.size() - 1);
+  int astride = 0;
+  for (std::uint32_t e = 0; e < mesh.count(); ++e) {
+    if (mesh.root(e).shape != wall || mesh.is_even_cell(e)) continue;
+    double low = 1.0, high = -1.0, lowest_drawn = 1.0, highest_drawn = -1.0, size = mesh.size(e);
+    for (const V3d& corner : mesh.patch(e).corner) {
+      low = std::min(low, corner.z);
+      high = std::max(high, corner.z);
+    }
+    for (std::uint32_t k = 0; k < 256; ++k) {
+      const double z = mesh.sample(e, Sampler(1, e, k).next_2d()).position.z;
+      lowest_drawn = std::min(lowest_drawn, z);
+      highest_drawn = std::max(highest_drawn, z);
+    }
+    // To a sixteenth's height.
+    EXPECT_GT(lowest_drawn, -0.5 * size);
+    EXPECT_GT(highest_drawn, high - 0.5 * size);
+    if (low < -0.1 * size) ++astride;
+  }
+  EXPECT_GT(astride, 4);
+}
+
+TEST(WeightsFromAfar, AreTheSameOnAnyNumberOfThreads) {
+  const Scene scene(deep_wall());
+  const ElementMesh mesh = divide_surfaces(scene, 200);
+  std::vector<ElementMesh::Weights> found[2];
+  for (const int threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    std::uint64_t rays = 0;
+    found[threads / 2] = weights_from_afar(scene, mesh, view(), 1, rays);
+  }
+  EXPECT_EQ(found[0], found[1]);
+}
+
+// Elements that reach into the dark are as bright as what is seen of them.
+TEST(WeightsFromAfar, TheDarkDoesNotDim) {
+  const Scene scene(deep_wall());
+  const auto irradiance_near_the_floor = [&](std::size_t elements, const std::vector<Ray>& seen) {
+    RadiosityOptions options;
+    options.subdivision = Subdivision::uniform;
+    options.max_elements = elements;
+    options.rays_per_element = 512;
+    options.view = seen;
+    const Solution solution = solve_radiosity(scene, options);
+    double sum = 0.0;
+    for (int i = 0; i < 40; ++i) {
+      const Ray ray{V3f(0.3f, 0.1f + 0.02f * static_cast<float>(i), 0.06f), V3f(1, 0, 0)};
+      sum += static_cast<double>(
+          solution.irradiance(scene.surface_point(ray, scene.caster().intersect(ray))).total().x);
+    }
+    return sum / 40.0;
+  };
+  const double truth = irradiance_near_the_floor(20000, {});
+  EXPECT_NEAR(irradiance_near_the_floor(400, view()) / truth, 1.0, 0.08);
+  EXPECT_LT(irradiance_near_the_floor(400, {}) / truth, 0.85);
+}
+
+}  // namespace
+}  // namespace twopass
