@@ -52,9 +52,10 @@ IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
 void TwoPass::add_caustics(Vertex& vertex) const {
   const SurfacePoint& point = vertex.point();
   const C3f albedo = vertex.diffuse_albedo() * (1.0f / pi_f);
-  if (!vertex.has_layers()) return vertex.add_caustic(albedo * caustics_->irradiance(point), 0);
+  vertex.add_caustic(albedo * caustics_->irradiance(point));
+  if (!vertex.has_layers()) return;
   caustics_->visit(point, [&](const C3f& irradiance, std::uint32_t light) {
-    vertex.add_caustic(albedo * irradiance, light);
+    vertex.add_caustic_to_layers(albedo * irradiance, light);
   });
 }
 

@@ -144,12 +144,13 @@ class Vertex {
           added, edges_ > 1 ? sample_->layers->scatter : FirstScatter{C3f(1.0f), false}, edges_ == 1, light);
   }
   /// Adds what diffuse reflection sends along the path of light that arrives over surfaces that do not diffuse.
-  void add_caustic(const C3f& radiance, std::uint32_t light) {
-    const C3f added = clamped(carried_->throughput * radiance, edges_ + 2, *limits_);
-    sample_->seen.radiance += added;
-    if (sample_->layers) [[unlikely]]
-      sample_->layers->add_scattered(
-          added, edges_ > 1 ? sample_->layers->scatter : FirstScatter{C3f(1.0f), false}, false, light);
+  /// REQUIRES: there are no clamps.
+  void add_caustic(const C3f& radiance) { sample_->seen.radiance += carried_->throughput * radiance; }
+  /// Part of the same, from one light, for the layers. REQUIRES: has_layers().
+  void add_caustic_to_layers(const C3f& radiance, std::uint32_t light) {
+    SampleLayers& layers = *sample_->layers;
+    layers.add_scattered(carried_->throughput * radiance,
+                         edges_ > 1 ? layers.scatter : FirstScatter{C3f(1.0f), false}, false, light);
   }
   /// What lamps send here over surfaces that do not diffuse has been added, for what diffuse reflection makes of
   /// it (I19): the path finds the rest of it.

@@ -9,7 +9,7 @@ namespace twopass {
 namespace {
 
 // A lamp above a floor, and a mirror beside both: the floor sees the lamp's mirror image.
-SceneDescription mirrored_lamp() {
+SceneDescription lamp_beside_a_mirror() {
   const V3f x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   SceneDescription scene;
   test::add_diffuse(scene, "lamp", test::quad(z, y, x), C3f(0.0f), C3f(1.0f / pi_f, 2.0f / pi_f, 0.0f));
@@ -20,24 +20,24 @@ SceneDescription mirrored_lamp() {
   return scene;
 }
 
-SurfacePoint below(const Scene& scene, float x, float y) {
+SurfacePoint floor_at(const Scene& scene, float x, float y) {
   const Ray ray{V3f(x, y, 0.5f), V3f(0, 0, -1)};
   return scene.surface_point(ray, scene.caster().intersect(ray));
 }
 
 // The mean over a tile in the middle, where the closed form is that of its own middle within 1e-3.
-C3f mean_below(const Scene& scene, const CausticMap& map) {
+C3f mean_of_the_tile(const Scene& scene, const CausticMap& map) {
   C3f sum(0.0f);
   for (int i = 0; i < 16; ++i)
     for (int j = 0; j < 16; ++j)
-      sum += map.irradiance(below(scene, 0.45f + 0.1f * (i + 0.5f) / 16, 0.45f + 0.1f * (j + 0.5f) / 16));
+      sum += map.irradiance(floor_at(scene, 0.45f + 0.1f * (i + 0.5f) / 16, 0.45f + 0.1f * (j + 0.5f) / 16));
   return sum * (1.0f / 256.0f);
 }
 
 TEST(CausticMap, OfAMirrorIsThatOfTheMirrorImage) {
-  const Scene scene(mirrored_lamp());
+  const Scene scene(lamp_beside_a_mirror());
   const CausticMap map(scene);
-  const C3f found = mean_below(scene, map);
+  const C3f found = mean_of_the_tile(scene, map);
   constexpr float truth = 0.084353664388f;
   // Some 2000 particles have come to the tile, stratified: five times the error of independent ones is 11 %.
   EXPECT_NEAR(found.x / truth, 1.0f, 0.05f);
@@ -49,9 +49,9 @@ TEST(CausticMap, OfAMirrorIsThatOfTheMirrorImage) {
 }
 
 TEST(CausticMap, PartsAddUpByLight) {
-  const Scene scene(mirrored_lamp());
+  const Scene scene(lamp_beside_a_mirror());
   const CausticMap map(scene);
-  const SurfacePoint point = below(scene, 0.5f, 0.5f);
+  const SurfacePoint point = floor_at(scene, 0.5f, 0.5f);
   C3f sum(0.0f);
   map.visit(point, [&](const C3f& part, std::uint32_t light) {
     EXPECT_EQ(light, 0u);
@@ -65,11 +65,11 @@ TEST(CausticMap, WithoutSpecularSurfacesIsEmpty) {
 }
 
 TEST(CausticMap, IsTheSameOnAnyNumberOfThreads) {
-  const Scene scene(mirrored_lamp());
+  const Scene scene(lamp_beside_a_mirror());
   C3f found[2];
   for (const int threads : {1, 3}) {
     const ThreadLimit limit(threads);
-    found[threads / 2] = mean_below(scene, CausticMap(scene));
+    found[threads / 2] = mean_of_the_tile(scene, CausticMap(scene));
   }
   EXPECT_EQ(found[0], found[1]);
 }

@@ -25,7 +25,7 @@ SceneDescription deep_wall() {
   return scene;
 }
 
-std::vector<Ray> view() {
+std::vector<Ray> rays_all_around() {
   std::vector<Ray> rays;
   for (std::uint32_t k = 0; k < 512; ++k) {
     Sampler sampler(3, 0, k);
@@ -39,7 +39,7 @@ TEST(WeightsFromAfar, NothingIsDrawnWhereNobodySees) {
   const Scene scene(description);
   ElementMesh mesh = divide_surfaces(scene, 400);
   std::uint64_t rays = 0;
-  mesh.weigh(weights_from_afar(scene, mesh, view(), 1, rays));
+  mesh.weigh(weights_from_afar(scene, mesh, rays_all_around(), 1, rays));
   EXPECT_GT(rays, 50 * mesh.count());
   const auto wall = static_cast<std::uint32_t>(description.shapes.size() - 1);
   int astride = 0;
@@ -70,7 +70,7 @@ TEST(WeightsFromAfar, AreTheSameOnAnyNumberOfThreads) {
   for (const int threads : {1, 3}) {
     const ThreadLimit limit(threads);
     std::uint64_t rays = 0;
-    found[threads / 2] = weights_from_afar(scene, mesh, view(), 1, rays);
+    found[threads / 2] = weights_from_afar(scene, mesh, rays_all_around(), 1, rays);
   }
   EXPECT_EQ(found[0], found[1]);
 }
@@ -94,7 +94,7 @@ TEST(WeightsFromAfar, TheDarkDoesNotDim) {
     return sum / 40.0;
   };
   const double truth = irradiance_near_the_floor(20000, {});
-  EXPECT_NEAR(irradiance_near_the_floor(400, view()) / truth, 1.0, 0.08);
+  EXPECT_NEAR(irradiance_near_the_floor(400, rays_all_around()) / truth, 1.0, 0.08);
   EXPECT_LT(irradiance_near_the_floor(400, {}) / truth, 0.85);
 }
 
