@@ -19,7 +19,7 @@ SceneDescription deep_wall() {
   scene.materials.push_back(two_sided("wall", white, white));
   Shape wall;
   wall.name = "wall";
-  wall.geometry = test::quad(V3f(0.6f, 0.01f, -0.4f), V3f(0, 0.98f, 0), V3f(0, 0, 0.98f));
+  wall.geometry = test::quad(V3f(0.6f, 0.01f, -0.06f), V3f(0, 0.98f, 0), V3f(0, 0, 0.98f));
   wall.material = static_cast<std::uint32_t>(scene.materials.size() - 1);
   scene.shapes.push_back(wall);
   return scene;
@@ -87,14 +87,14 @@ TEST(WeightsFromAfar, TheDarkDoesNotDim) {
     const Solution solution = solve_radiosity(scene, options);
     double sum = 0.0;
     for (int i = 0; i < 40; ++i) {
-      const Ray ray{V3f(0.3f, 0.1f + 0.02f * static_cast<float>(i), 0.06f), V3f(1, 0, 0)};
+      const Ray ray{V3f(0.3f, 0.1f + 0.02f * static_cast<float>(i), 0.04f), V3f(1, 0, 0)};
       sum += static_cast<double>(
           solution.irradiance(scene.surface_point(ray, scene.caster().intersect(ray))).total().x);
     }
     return sum / 40.0;
   };
   const double truth = irradiance_near_the_floor(20000, {});
-  EXPECT_NEAR(irradiance_near_the_floor(400, rays_all_around()) / truth, 1.0, 0.08);
+  EXPECT_NEAR(irradiance_near_the_floor(400, rays_all_around()) / truth, 1.0, 0.12);  // light varies over an element
   EXPECT_LT(irradiance_near_the_floor(400, {}) / truth, 0.85);
 }
 
