@@ -246,12 +246,12 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
   return mesh;
 }
 
-// The elements that the solution is found on. Where triangles are so small that elements are not cut adaptively,
-// they are weighted by what is seen of them. Solvers that want symmetry see them as a whole.
+// The elements that the solution is found on. Where all is left to the program, for gathering, and triangles are so
+// small that elements are not cut adaptively, they are weighted by what is seen of them.
 ElementMesh final_elements(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
                            const Choice& choice, RadiosityStats& stats) {
   if (choice.is_adaptive) return refine_adaptively(scene, std::move(mesh), options, choice, stats);
-  if (choice.method == FormFactorMethod::rays && choice.solver == Solver::automatic && !options.view.empty())
+  if (choice.is_for_gathering && !options.view.empty())
     mesh.weigh(weights_from_afar(scene, mesh, options.view, options.seed, stats.rays));
   return mesh;
 }

@@ -80,11 +80,11 @@ TEST(WeightsFromAfar, TheDarkDoesNotDim) {
   const Scene scene(deep_wall());
   const auto irradiance_near_the_floor = [&](std::size_t elements, const std::vector<Ray>& seen) {
     RadiosityOptions options;
-    options.subdivision = Subdivision::uniform;
-    options.max_elements = elements;
     options.rays_per_element = 512;
-    options.view = seen;
-    const Solution solution = solve_radiosity(scene, options);
+    ElementMesh mesh = divide_surfaces(scene, elements);
+    std::uint64_t rays = 0;
+    if (!seen.empty()) mesh.weigh(weights_from_afar(scene, mesh, seen, 1, rays));
+    const Solution solution = solve_radiosity_on(scene, mesh, options);
     double sum = 0.0;
     for (int i = 0; i < 40; ++i) {
       const Ray ray{V3f(0.3f, 0.1f + 0.02f * static_cast<float>(i), 0.04f), V3f(1, 0, 0)};
