@@ -132,9 +132,9 @@ Agreement compare_integrators(std::uint32_t seed) {
     result.two_pass = render(scene, {IntegratorKind::two_pass}, options);
     result.fault = fault_of(result.path);
     if (result.fault.empty()) result.fault = fault_of(result.two_pass);
-    const double mean = result.path.mean;
-    result.difference = mean > 0.0 ? result.two_pass.mean / mean - 1.0 : result.two_pass.mean > 0.0 ? 1.0 : 0.0;
-    result.noise = mean > 0.0 ? std::hypot(result.path.error, result.two_pass.error) / mean : 0.0;
+    const double mean = std::max(result.path.mean, Agreement::darkest);
+    result.difference = (result.two_pass.mean - result.path.mean) / mean;
+    result.noise = std::hypot(result.path.error, result.two_pass.error) / mean;
     if (result.holds() || !result.fault.empty()) break;
   }
   return result;

@@ -20,6 +20,9 @@ struct Agreement {
   [[nodiscard]] bool holds() const;
   /// What a solution of few elements may be off by.
   static constexpr double bias = 0.06;
+  /// Radiance that a darker picture counts as. Lamps have 1 to 10: elements that reach through a wall into a dark room
+  /// carry up to 1e-5 of the light beyond.
+  static constexpr double darkest = 1e-3;
 };
 /// Renders both. What does not hold at few samples is tried again with many and more elements: rare bright
 /// paths are no disagreement.
