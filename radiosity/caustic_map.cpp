@@ -20,7 +20,7 @@ namespace {
 // sectors.
 constexpr std::uint32_t rings = 8, sectors = 16, bins = rings * sectors;
 constexpr std::size_t most_groups = 64;  // of sources with directions of their own
-constexpr std::size_t pilot_part = 8;  // of the particles, the first one in so many
+constexpr std::size_t pilot_particles = std::size_t{1} << 17;
 constexpr double uniform_share = 0.1;
 // The part of all light above which all particles are worth their time.
 constexpr double much = 0.02;
@@ -157,7 +157,7 @@ class CausticMap::Builder {
     if (shooter_.empty()) return;
     std::vector<double> even = shooter_.even(), found(shooter_.bin_count(), 0.0);
     double power = 0.0;
-    for (const auto& [bin, arrival] : shoot_all(0, options_.particles / pilot_part, DiscreteDistribution(even), even)) {
+    for (const auto& [bin, arrival] : shoot_all(0, pilot_particles, DiscreteDistribution(even), even)) {
       const double own = mean_component(arrival.power);
       found[bin] += own;
       power += own;

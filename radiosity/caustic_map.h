@@ -10,7 +10,7 @@
 namespace twopass {
 
 struct CausticMapOptions {
-  /// Most particles that are shot, but for an eighth as many that find out where to. REQUIRES: at least 2^14.
+  /// Most particles that are shot.
   std::size_t particles = std::size_t{1} << 20;
   std::uint32_t seed = 0;
 };

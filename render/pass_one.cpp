@@ -86,11 +86,7 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   done.solution_time = stopwatch.elapsed();
   if (job.plan.caustic_map) {
     stopwatch = Stopwatch();
-    // The eye cannot tell more than a few a pixel.
-    const std::size_t particles =
-        std::clamp(4 * job.radiosity.gathered_pixels, std::size_t{1} << 15, std::size_t{1} << 20);
-    done.caustics = std::make_unique<const CausticMap>(
-        job.scene, CausticMapOptions{.particles = particles, .seed = job.radiosity.seed});
+    done.caustics = std::make_unique<const CausticMap>(job.scene, CausticMapOptions{.seed = job.radiosity.seed});
     done.caustics_time = stopwatch.elapsed();
   }
   const std::vector<bool> seen = seen_elements(job, *done.solution);
