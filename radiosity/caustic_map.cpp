@@ -5,9 +5,8 @@
 #include <atomic>
 #include <bit>
 
-#include "radiosity/pieces.h"
+#include "radiosity/lamp_surfaces.h"
 #include "radiosity/specular_path.h"
-#include "render/core/distribution.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/core/warp.h"
@@ -16,10 +15,10 @@ namespace twopass {
 
 namespace {
 
-// Where particles are aimed at: bins of a source's directions, rings of equal cosine-weighted solid angle by
+// Where particles are aimed at: bins of a lamp's directions, rings of equal cosine-weighted solid angle by
 // sectors.
 constexpr std::uint32_t rings = 8, sectors = 16, bins = rings * sectors;
-constexpr std::size_t most_groups = 64;  // of sources with directions of their own
+constexpr std::size_t most_groups = 64;  // of lamps with directions of their own
 constexpr std::size_t pilot_particles = std::size_t{1} << 17;
 constexpr double uniform_share = 0.1;
 // The part of all light above which all particles are worth their time.
@@ -30,14 +29,6 @@ constexpr std::size_t least_particles = 128;
 constexpr int coarsest = 5, finest = 12;
 constexpr std::size_t piece = 4096;
 
-// An emitting side of a triangle, or of a piece of an analytic surface.
-struct Source {
-  Patch patch;
-  C3f radiance;
-  std::uint32_t light;
-  bool varies;  // radiance is the mean over the surface
-};
-
 // A particle that has arrived.
 struct Arrival {
   V3f position, normal;
@@ -45,27 +36,14 @@ struct Arrival {
   std::uint32_t light;
 };
 
-std::vector<Source> sources_of(const Scene& scene) {
-  std::vector<Source> sources;
-  for (std::uint32_t s = 0; s < scene.shapes().size(); ++s) {
-    const Shape& shape = scene.shapes()[s];
-    for (const Side side : {front, back})
-      if (!is_black(shape.radiance[side]))
-        for (std::uint32_t i = 0; i < piece_count(shape.geometry); ++i)
-          sources.push_back({piece_patch(shape.geometry, i, side), shape.radiance[side], s,
-                             side == front && shape.radiance_texture});
-  }
-  return sources;
-}
-
 class Shooter {
  public:
-  Shooter(const Scene& scene, std::uint32_t seed) : scene_(scene), seed_(seed), sources_(sources_of(scene)) {
-    std::vector<double> power;
-    for (const Source& source : sources_) power.push_back(source.patch.area * mean_component(source.radiance));
-    choice_ = DiscreteDistribution(power);
-    groups_ = sources_.size() <= most_groups ? sources_.size() : 1;
-  }
+  Shooter(const Scene& scene, std::uint32_t seed)
+      : scene_(scene),
+        seed_(seed),
+        lamps_(lamp_surfaces(scene)),
+        choice_(choice_by_power(lamps_)),
+        groups_(lamps_.size() <= most_groups ? lamps_.size() : 1) {}
   [[nodiscard]] bool empty() const { return choice_.empty(); }
   [[nodiscard]] std::size_t bin_count() const { return groups_ * bins; }
 
@@ -95,8 +73,8 @@ class Shooter {
       index = static_cast<std::uint32_t>(bin / bins);
       probability = choice_.probability(index);
     }
-    const Source& source = sources_[index];
-    const ElementPoint start = source.patch.sample(place);
+    const LampSurface& lamp = lamps_[index];
+    const ElementPoint start = lamp.patch.sample(place);
     const auto ring = static_cast<float>(bin % bins / sectors), sector = static_cast<float>(bin % sectors);
     const V3f direction = Frame(V3f(start.normal)).to_world(square_to_cosine_hemisphere(
         {(ring + in_bin.x) / static_cast<float>(rings), (sector + in_bin.y) / static_cast<float>(sectors)}));
@@ -112,10 +90,10 @@ class Shooter {
     if (!arrives) return false;
     const SurfacePoint& end = path.end().point;
     if (is_black(scene_.side(end).traits().mean_diffuse_reflectance)) return false;
-    const auto share = static_cast<float>(pi * source.patch.area /
+    const auto share = static_cast<float>(pi * lamp.patch.area /
                                           (static_cast<double>(probability) * over * static_cast<double>(count)));
-    const C3f radiance = source.varies ? radiance_at(start, rays) : source.radiance;
-    arrival = {end.position, end.geometric_normal, radiance * path.end().weight * share, source.light};
+    const C3f radiance = radiance_at(scene_, lamp, start, rays);
+    arrival = {end.position, end.geometric_normal, radiance * path.end().weight * share, lamp.light};
     return !is_black(arrival.power);
   }
 
@@ -123,19 +101,11 @@ class Shooter {
   [[nodiscard]] double power() const { return pi * choice_.total(); }
 
  private:
-  // What the surface under the point emits.
-  [[nodiscard]] C3f radiance_at(const ElementPoint& start, std::uint64_t& rays) const {
-    const Ray down{start.ray_position(), V3f(-start.normal)};
-    const Hit hit = scene_.caster().intersect(down);
-    ++rays;
-    return hit.escaped() ? C3f(0.0f) : scene_.emitted_radiance(scene_.surface_point(down, hit));
-  }
-
   const Scene& scene_;
   std::uint32_t seed_;
-  std::vector<Source> sources_;
+  std::vector<LampSurface> lamps_;
   DiscreteDistribution choice_;
-  std::size_t groups_ = 1;
+  std::size_t groups_;
 };
 
 // Bits of 12 coordinates' worth each, interleaved: cells of all sizes are ranges in this order.

@@ -3,8 +3,8 @@
 #include <atomic>
 
 #include "materials/lobes.h"
+#include "radiosity/lamp_surfaces.h"
 #include "radiosity/specular_path.h"
-#include "render/core/distribution.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/core/warp.h"
@@ -13,37 +13,21 @@ namespace twopass {
 
 namespace {
 
-// An emitting side of a triangle, or of a piece of an analytic surface.
-struct Source {
-  Patch patch;
-  C3f radiance;
-  bool varies;  // radiance is the mean over the surface
-};
-
 struct Deposit {
   std::uint32_t element;
   C3f power;
 };
 using Deposits = std::vector<Deposit>;
 
-void add_sources(std::vector<Source>& sources, const Shape& shape, Side side) {
-  const C3f& radiance = shape.radiance[side];
-  if (is_black(radiance)) return;
-  for (std::uint32_t i = 0; i < piece_count(shape.geometry); ++i)
-    sources.push_back(
-        {piece_patch(shape.geometry, i, side), radiance, side == front && shape.radiance_texture});
-}
-
 class Shooter {
  public:
   Shooter(const Scene& scene, const ElementMesh& mesh, std::size_t paths, std::uint32_t seed)
-      : scene_(scene), mesh_(mesh), paths_(paths), seed_(seed) {
-    for (const Shape& shape : scene.shapes())
-      for (const Side side : {front, back}) add_sources(sources_, shape, side);
-    std::vector<double> power;
-    for (const Source& source : sources_) power.push_back(source.patch.area * mean_component(source.radiance));
-    choice_ = DiscreteDistribution(power);
-  }
+      : scene_(scene),
+        mesh_(mesh),
+        paths_(paths),
+        seed_(seed),
+        lamps_(lamp_surfaces(scene)),
+        choice_(choice_by_power(lamps_)) {}
 
   [[nodiscard]] bool empty() const { return choice_.empty(); }
 
@@ -52,8 +36,8 @@ class Shooter {
     Sampler sampler(seed_, 0, k);
     const V2f u = sampler.next_2d();
     const auto choice = choice_.sample(u.x);
-    const Source& source = sources_[choice.index];
-    const ElementPoint start = source.patch.sample({choice.remapped, u.y});
+    const LampSurface& lamp = lamps_[choice.index];
+    const ElementPoint start = lamp.patch.sample({choice.remapped, u.y});
     const V3f direction = Frame(V3f(start.normal)).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
     const Ray ray{start.ray_position(), direction};
     const Hit hit = scene_.caster().intersect(ray);
@@ -62,8 +46,8 @@ class Shooter {
     const SurfacePoint point = scene_.surface_point(ray, hit);
     if (!is_more_than_diffuse(scene_.side(point))) return;
     const auto share =
-        static_cast<float>(pi * source.patch.area / (choice.probability * static_cast<double>(paths_)));
-    const C3f radiance = source.varies ? radiance_at(start, rays) : source.radiance;
+        static_cast<float>(pi * lamp.patch.area / (choice.probability * static_cast<double>(paths_)));
+    const C3f radiance = radiance_at(scene_, lamp, start, rays);
     SpecularPath path(scene_, ray, point, Carried::power, sampler);
     while (path.next()) {
       if (path.end().escaped) break;
@@ -74,19 +58,11 @@ class Shooter {
   }
 
  private:
-  // What the surface under the point emits.
-  [[nodiscard]] C3f radiance_at(const ElementPoint& start, std::uint64_t& rays) const {
-    const Ray down{start.ray_position(), V3f(-start.normal)};
-    const Hit hit = scene_.caster().intersect(down);
-    ++rays;
-    return hit.escaped() ? C3f(0.0f) : scene_.emitted_radiance(scene_.surface_point(down, hit));
-  }
-
   const Scene& scene_;
   const ElementMesh& mesh_;
   std::size_t paths_;
   std::uint32_t seed_;
-  std::vector<Source> sources_;
+  std::vector<LampSurface> lamps_;
   DiscreteDistribution choice_;
 };
 
