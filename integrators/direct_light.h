@@ -2,6 +2,7 @@
 #pragma once
 
 #include "integrators/integrator.h"
+#include "materials/lobes.h"
 #include "radiosity/guide.h"
 
 namespace twopass {
@@ -38,6 +39,7 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
 /// Who else finds the lights that next-event estimation samples.
 enum class Rival : std::uint8_t {
   scattered_ray,  ///< the path goes on: both are weighted (I3)
+  glossy_ray,     ///< the path goes on without what is reflected diffusely, of which the lights are sampled in full
   none            ///< the path ends here
 };
 
@@ -64,7 +66,10 @@ inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& po
     if (guide) other = share * guide->pdf_w(light.direction) + (1.0f - share) * other;
     // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
     const float weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
-    return C3f(at.value * light.radiance * (reached * weight));
+    C3f weighted = at.value * weight;
+    if (rival == Rival::glossy_ray) [[unlikely]]
+      weighted += at.value * diffuse_share(bsdf, wo, wi) * (1.0f / light.pdf_w - weight);
+    return C3f(weighted * light.radiance * reached);
   });
   return {{spawn_position(point, light.direction), light.position}, radiance, light.light};
 }

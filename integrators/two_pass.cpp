@@ -10,27 +10,32 @@ namespace {
 // The field knows what arrives around the geometric normal, within rounding errors of this.
 constexpr float flat_cosine = 0.9999f;
 
+bool is_all_diffuse(const Bsdf& bsdf) {
+  return std::holds_alternative<Diffuse>(bsdf) || std::holds_alternative<RoughDiffuse>(bsdf);
+}
+
+// Where all that is reflected diffusely has been looked up: what is left is glossy, or nothing.
+Step after_look_up(Vertex& vertex) {
+  if (is_all_diffuse(vertex.bsdf())) return Step::end;
+  vertex.leave_out_diffuse();
+  return std::holds_alternative<Plastic>(vertex.bsdf()) ? Step::scatter : Step::light_and_scatter;
+}
+
 // What is left to be found by rays.
-Step step_after(Known known) {
+Step step_after(Known known, Vertex& vertex) {
   switch (known) {
     case Known::nothing:
       break;
     case Known::no_direct:
       return Step::scatter;
     case Known::indirect:
-      return Step::light;
+      if (is_all_diffuse(vertex.bsdf())) return Step::light;
+      vertex.leave_out_indirect_diffuse();
+      break;
     case Known::all:
       return Step::end;
   }
   return Step::light_and_scatter;
-}
-
-// Where diffuse reflection has been looked up: what is left is glossy, or nothing.
-Step after_look_up(Vertex& vertex) {
-  const Bsdf& bsdf = vertex.bsdf();
-  if (std::holds_alternative<Diffuse>(bsdf) || std::holds_alternative<RoughDiffuse>(bsdf)) return Step::end;
-  vertex.leave_out_diffuse();
-  return std::holds_alternative<Plastic>(bsdf) ? Step::scatter : Step::light_and_scatter;
 }
 
 }  // namespace
@@ -42,10 +47,14 @@ bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
 }
 
 IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
-  if (!field_ || !std::holds_alternative<Diffuse>(vertex.bsdf())) return {};
+  if (!field_ || is_black(diffuse_reflectance(vertex.bsdf()))) return {};
   const SurfacePoint& point = vertex.point();
   if (point.shading.n.dot(point.geometric_normal) < flat_cosine) return {};
-  return field_->at(point);
+  IndirectField::LookUp found = field_->at(point);
+  // How much of it coats let through depends on where light comes from: lamps are sampled there (radiosity, R50).
+  if (found.known == Known::all && !std::holds_alternative<Diffuse>(vertex.bsdf()))
+    found = {Known::indirect, found.irradiance - field_->direct_at(point)};
+  return found;
 }
 
 // (I19)
@@ -78,12 +87,13 @@ void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
     if (caustics_ && !is_black(diffuse_reflectance(vertex.bsdf()))) add_caustics(vertex);
     const IndirectField::LookUp found = look_up(vertex);
     if (found.known >= Known::indirect) {
-      const C3f direct = vertex.has_layers() ? field_->direct_at(vertex.point()) : C3f(0.0f);
-      vertex.add(diffuse_reflectance(vertex.bsdf()) * found.irradiance * (1.0f / pi_f),
+      const bool has_direct = found.known == Known::all && vertex.has_layers();
+      const C3f direct = has_direct ? field_->direct_at(vertex.point()) : C3f(0.0f);
+      vertex.add(vertex.diffuse_albedo() * found.irradiance * (1.0f / pi_f),
                  {direct, found.irradiance - direct}, LookUp::field);
     }
-    const Step step = step_after(found.known);
-    if (guide_ && step >= Step::scatter) vertex.guide_by(guide_->at(vertex.point()));
+    const Step step = step_after(found.known, vertex);
+    if (guide_ && step >= Step::scatter && found.known < Known::indirect) vertex.guide_by(guide_->at(vertex.point()));
     return step;
   });
 }

@@ -1,6 +1,5 @@
 #include "integrators/unbiased.h"
 
-#include "integrators/look_up.h"
 #include "integrators/trace.h"
 
 namespace twopass {
@@ -12,7 +11,7 @@ constexpr float window = 2.0f;
 // What is known of it counts so much: to find it again is not what the path is for.
 constexpr float share_of_known = 0.5f;
 // Never less often than this, so that light of which the solution knows nothing is not too dear.
-constexpr float least_survival = 0.1f;
+constexpr float least_survival = 0.25f;
 // With fewer edges than this, what the solution holds of longer paths would count.
 constexpr int least_long_depth = 16;
 // The root mean square over the channels of what the path brings as a part of what is expected.
@@ -26,8 +25,8 @@ float relative(const C3f& brings, const C3f& expected) {
 // Ends the path with what the solution says that it would still find, or has it go on for the rest (I12).
 // `known`: direct light that needs not be found, W/m2, but says how much the path carries. False: ended.
 bool settle(Vertex& vertex, const Irradiance& irradiance, const C3f& known) {
-  const C3f to_radiance = diffuse_reflectance(vertex.bsdf()) * (1.0f / pi_f);
-  const C3f cached = reflected_radiance(vertex.bsdf(), irradiance), direct = to_radiance * known;
+  const C3f to_radiance = vertex.diffuse_albedo() * (1.0f / pi_f);
+  const C3f cached = to_radiance * irradiance.total(), direct = to_radiance * known;
   C3f& expected = vertex.expected();
   float survival = 1.0f;
   if (is_black(expected))
@@ -78,11 +77,12 @@ Step Unbiased::at(Vertex& vertex) const {
   const std::uint32_t element = vertex.element();
   if (element == no_index) return Step::light_and_scatter;
   Step step = Step::light_and_scatter;
-  // Only what Lambert's surfaces reflect does the solution know: others go on as in the path tracer.
-  if (std::holds_alternative<Diffuse>(vertex.bsdf())) {
+  // The solution knows what is reflected diffusely: others go on as in the path tracer.
+  if (!is_black(diffuse_reflectance(vertex.bsdf()))) {
     Irradiance rest = solution_->irradiances()[element];
     C3f known(0.0f);
-    if (certain_ && certain_->knows(element) && point.shading.n == point.geometric_normal) {
+    if (certain_ && std::holds_alternative<Diffuse>(vertex.bsdf()) && certain_->knows(element) &&
+        point.shading.n == point.geometric_normal) {
       known = add_direct(vertex, element);
       rest.direct = C3f(0.0f);
       step = Step::scatter;

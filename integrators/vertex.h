@@ -176,12 +176,12 @@ class Vertex {
   /// The light sampled here, with what it sends along the path. REQUIRES: samples_lights().
   [[nodiscard]] Connection sample_lights() const {
     Connection connection =
-        sample_direct_light(*scene_, point_, *bsdf_, direction_, goes_on_ ? Rival::scattered_ray : Rival::none,
-                            u_light_, share_ > 0.0f ? &guide_ : nullptr, share_);
+        sample_direct_light(*scene_, point_, *bsdf_, direction_, rival(), u_light_,
+                            share_ > 0.0f ? &guide_ : nullptr, share_);
     if (caustics_ == Caustics::passed && connection.light < scene_->shapes().size())
       connection.radiance *= carried_->uncharted;
     connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
-    if (without_diffuse_ && !is_black(connection.radiance))
+    if (diffuse_ == Diffusing::known && !is_black(connection.radiance))
       connection.radiance *= glossy_share(unit(connection.segment.to - connection.segment.from));
     return connection;
   }
@@ -209,13 +209,15 @@ class Vertex {
           drawn->is_specular ? FirstScatter{C3f(0.0f), drawn->wi.z < 0.0f} : first_scatter_of(direction);
     Carried& carried = *carried_;
     carried.throughput *= drawn->weight * reached;
-    if (without_diffuse_ && !drawn->is_specular) {
-      carried.throughput *= glossy_share(direction);
-      if (is_black(carried.throughput)) return false;
+    const bool is_glossy = diffuse_ != Diffusing::unknown && !drawn->is_specular;
+    if (is_glossy) {
+      const C3f share = glossy_share(direction);
+      if (!survives(survival_probability(max_component(drawn->weight * share) * reached))) return false;
+      carried.throughput *= share;
     }
     if (caustics_ == Caustics::known) {
       carried.over_specular = false;
-      carried.uncharted = drawn->is_specular || without_diffuse_ ? C3f(1.0f) : glossy_share(direction);
+      carried.uncharted = drawn->is_specular || is_glossy ? C3f(1.0f) : glossy_share(direction);
     }
     carried.over_specular = carried.over_specular || caustics_ == Caustics::passed;
     carried.relative_ior *= drawn->eta;
@@ -232,7 +234,7 @@ class Vertex {
     }
     next.origin = spawn_position(point_, direction);
     next.direction = direction;
-    return has_settled_ || !is_long() || survives();
+    return has_settled_ || !is_long() || survives(survival());
   }
 
   /// Has leave() draw from a guide, with the probability that suits the surface (I11); an empty one: not at
@@ -257,8 +259,10 @@ class Vertex {
     if (!(pdf_w > 0.0f)) return C3f(0.0f);
     return eval_diffuse(*bsdf_, point_.shading.to_local(-direction_), wi) * (1.0f / pdf_w);
   }
-  /// The path goes on with what the surface scatters otherwise than diffusely alone.
-  void leave_out_diffuse() { without_diffuse_ = true; }
+  /// What diffuse reflection sends along the path has been added, of all light or of all but what lamps send
+  /// here: the path goes on with the rest. Few rays go where little is left (I4).
+  void leave_out_diffuse() { diffuse_ = Diffusing::known; }
+  void leave_out_indirect_diffuse() { diffuse_ = Diffusing::but_for_direct; }
 
   /// Scales what the path will add from here on; the integrator has played roulette, leave() will not.
   void settle(float scale) {
@@ -334,8 +338,12 @@ class Vertex {
            diffuse_share(*bsdf_, point_.shading.to_local(-direction_), point_.shading.to_local(direction));
   }
 
-  bool survives() {
-    const float probability = survival();
+  [[nodiscard]] Rival rival() const {
+    if (!goes_on_) return Rival::none;
+    return diffuse_ == Diffusing::but_for_direct ? Rival::glossy_ray : Rival::scattered_ray;
+  }
+
+  bool survives(float probability) {
     if (sample_->sampler.next_1d() >= probability) return false;
     carried_->throughput *= 1.0f / probability;
     return true;
@@ -352,6 +360,8 @@ class Vertex {
   }
 
   enum class Caustics : std::uint8_t { unknown, known, passed };
+  // What has been added of what the surface reflects diffusely.
+  enum class Diffusing : std::uint8_t { unknown, but_for_direct, known };
 
   const Scene* scene_;
   const PathLimits* limits_;
@@ -360,8 +370,9 @@ class Vertex {
   V3f direction_;  // of the edge that led here
   int edges_;
   float distance_;
-  bool samples_lights_, goes_on_, has_settled_ = false, without_diffuse_ = false, has_direct_ = false;
+  bool samples_lights_, goes_on_, has_settled_ = false, has_direct_ = false;
   Caustics caustics_ = Caustics::unknown;
+  Diffusing diffuse_ = Diffusing::unknown;
   float share_ = 0.0f;  // of the guide
   Guide::Lobe guide_;
   int guide_row_ = 0;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "radiosity/element_response.h"
 #include "radiosity/form_factor_pair.h"
 #include "radiosity/lambert.h"
 #include "radiosity/punctual_irradiance.h"
@@ -102,7 +103,7 @@ class AnalyticDirect {
     }
   }
 
-  [[nodiscard]] DirectIrradiance result() {
+  [[nodiscard]] DirectIrradiance result(const ElementResponse& response, std::uint32_t seed) {
     DirectIrradiance direct;
     direct.irradiance.assign(mesh_.count(), C3d(0.0));
     direct.exchange_with_lamps.assign(mesh_.count(), 0.0);
@@ -110,7 +111,9 @@ class AnalyticDirect {
       const double area = mesh_.area(static_cast<std::uint32_t>(i));
       if (!(area > 0.0)) continue;
       for (std::size_t e = 0; e < emitters_.size(); ++e) {
-        direct.irradiance[i] += emitters_[e].exitance * (exchange(i, e) / area);
+        if (!(exchange(i, e) > 0.0)) continue;
+        direct.irradiance[i] += emitters_[e].exitance *
+                                (exchange(i, e) / area * mean_response(response, static_cast<std::uint32_t>(i), e, seed));
         if (!emitters_[e].is_element) direct.exchange_with_lamps[i] += exchange(i, e);
       }
     }
@@ -118,6 +121,27 @@ class AnalyticDirect {
   }
 
  private:
+  // (R50), over the light that the emitter would send to the element, were nothing in between.
+  [[nodiscard]] double mean_response(const ElementResponse& response, std::uint32_t element, std::size_t e,
+                                     std::uint32_t seed) const {
+    constexpr std::uint32_t pairs = 16;
+    const DiffuseResponse& own = response.of(element);
+    if (own.is_even()) return 1.0;
+    const ElementSampler sample(mesh_, element);
+    double sum = 0.0, weights = 0.0;
+    for (std::uint32_t k = 0; k < pairs; ++k) {
+      Sampler sampler(key_of(seed, element, e), 2, k);
+      const ElementPoint x = sample(sampler.next_2d()), y = emitters_[e].patch.sample(sampler.next_2d());
+      const V3d segment = y.position - x.position;
+      const double d2 = segment.length2(), cosine = segment.dot(x.normal) / std::sqrt(d2);
+      const double weight = cosine * -segment.dot(y.normal) / (d2 * std::sqrt(d2));
+      if (!(weight > 0.0) || !(cosine > 0.0)) continue;
+      sum += weight * own.at(cosine);
+      weights += weight;
+    }
+    return weights > 0.0 ? sum / weights : 1.0;
+  }
+
   double& exchange(std::size_t i, std::size_t e) { return exchange_[i * emitters_.size() + e]; }
 
   static std::uint32_t key_of(std::uint32_t seed, std::uint32_t element, std::size_t emitter) {
@@ -174,8 +198,9 @@ class AnalyticDirect {
 
 // Half of the samples on the lights, half of the directions cosine-distributed, combined by the balance
 // heuristic (Veach 1997, section 9.2.2): neither small nor huge nor touching lights are a problem.
-C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMesh& mesh, std::uint32_t seed,
-                       std::uint32_t element, std::uint64_t& rays) {
+C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMesh& mesh,
+                       const DiffuseResponse& response, std::uint32_t seed, std::uint32_t element,
+                       std::uint64_t& rays) {
   constexpr std::uint32_t samples = 64;
   const ElementSampler sample(mesh, element);
   C3d sum(0.0);
@@ -189,7 +214,8 @@ C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMe
     if (light.pdf_w > 0.0f && cosine > 0.0f && !is_black(light.radiance)) {
       ++rays;
       if (!scene.caster().occluded(start, light.position))
-        sum += C3d(light.radiance) * (cosine / (light.pdf_w + cosine_hemisphere_pdf_w(cosine)));
+        sum += C3d(light.radiance) * (response.at(static_cast<double>(cosine)) *
+                                      (cosine / (light.pdf_w + cosine_hemisphere_pdf_w(cosine))));
     }
 
     const V3f direction = Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
@@ -201,15 +227,16 @@ C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMe
     const float cosine_seen = direction.dot(normal);
     const C3f& radiance = scene.emitted_radiance(seen);
     if (cosine_seen > 0.0f && !is_black(radiance))
-      sum += C3d(radiance) * (cosine_seen / (lights.pdf_w({start, normal, true}, direction, hit.t, seen) +
-                                             cosine_hemisphere_pdf_w(cosine_seen)));
+      sum += C3d(radiance) * (response.at(static_cast<double>(cosine_seen)) *
+                              (cosine_seen / (lights.pdf_w({start, normal, true}, direction, hit.t, seen) +
+                                              cosine_hemisphere_pdf_w(cosine_seen))));
   }
   return sum * (1.0 / samples);
 }
 
 // More emitters than can be evaluated, or analytic surfaces, or elements that are not seen as a whole.
-std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh, std::uint32_t seed,
-                                    std::uint64_t& rays) {
+std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
+                                    const ElementResponse& response, std::uint32_t seed, std::uint64_t& rays) {
   std::vector<C3d> irradiance(mesh.count(), C3d(0.0));
   const Lights lights(scene.shapes());  // without the sky
   if (lights.empty()) return irradiance;
@@ -221,7 +248,7 @@ std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
       if (!(mesh.area(i) > 0.0)) continue;
       // Buried points receive nothing: the exposed ones have it all.
       irradiance[i] =
-          sampled_irradiance(scene, lights, mesh, seed, i, own_rays) * (mesh.whole_area(i) / mesh.area(i));
+          sampled_irradiance(scene, lights, mesh, response.of(i), seed, i, own_rays) * (mesh.whole_area(i) / mesh.area(i));
     }
     rays_cast += own_rays;
   });
@@ -230,23 +257,25 @@ std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
 }
 
 DirectIrradiance from_emitters(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
-                               bool conserve, std::uint32_t seed, std::uint64_t& rays) {
+                               bool conserve, const ElementResponse& response, std::uint32_t seed,
+                               std::uint64_t& rays) {
   // Lambert's formula is for whole elements.
   std::vector<Emitter> emitters;
   if (mesh.weights().empty()) emitters = analytic_emitters(scene, mesh);
-  if (emitters.empty()) return {sampled_irradiance(scene, mesh, seed, rays), {}};
+  if (emitters.empty()) return {sampled_irradiance(scene, mesh, response, seed, rays), {}};
   AnalyticDirect analytic(scene, mesh, std::move(emitters));
   analytic.find_exchange(method, seed, rays);
   if (conserve) analytic.conserve();
-  return analytic.result();
+  return analytic.result(response, seed);
 }
 
 }  // namespace
 
 DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
                                    bool conserve, std::uint32_t seed, std::uint64_t& rays) {
-  DirectIrradiance direct = from_emitters(scene, mesh, method, conserve, seed, rays);
-  const std::vector<C3d> punctual = punctual_irradiance(scene, mesh, seed, rays);
+  const ElementResponse response(scene, mesh);
+  DirectIrradiance direct = from_emitters(scene, mesh, method, conserve, response, seed, rays);
+  const std::vector<C3d> punctual = punctual_irradiance(scene, mesh, response, seed, rays);
   for (std::size_t i = 0; i < mesh.count(); ++i) direct.irradiance[i] += punctual[i];
   return direct;
 }

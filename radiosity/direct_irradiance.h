@@ -8,7 +8,8 @@
 namespace twopass {
 
 struct DirectIrradiance {
-  std::vector<C3d> irradiance;  ///< by element, W/m2
+  /// By element, W/m2: weighted by how much of light from there the element's material reflects diffusely (R50).
+  std::vector<C3d> irradiance;
   /// By element, in units of area: what it exchanges with emitting sides that are no elements. Empty when the
   /// emitters were sampled (too many, or analytic surfaces).
   std::vector<double> exchange_with_lamps;

@@ -49,6 +49,16 @@ SceneDescription mixed_room() {
   return scene;
 }
 
+// Floor and walls under rough coats, which reflect beside diffusing.
+SceneDescription room_under_coats() {
+  SceneDescription scene = room();
+  RoughPlastic coated;
+  coated.base_reflectance = C3f(0.7f, 0.6f, 0.5f);
+  coated.prepare();
+  for (const std::size_t wall : {0, 2, 3, 5}) scene.materials[wall] = one_sided("coated", coated);
+  return scene;
+}
+
 enum class Content { solved, scaled, random, dark, nothing };
 
 // A solution of the scene with its irradiances replaced.
@@ -87,6 +97,8 @@ std::vector<Case> cases() {
           {"random", room, Content::random, true},
           {"dark", room, Content::dark, true},
           {"nothing", room, Content::nothing, false},
+          {"coated_solved", room_under_coats, Content::solved, true},
+          {"coated_random", room_under_coats, Content::random, true},
           {"mixed_solved", mixed_room, Content::solved, true},
           {"mixed_random", mixed_room, Content::random, true},
           {"mixed_dark", mixed_room, Content::dark, true}};

@@ -27,7 +27,7 @@ SceneDescription closed_room(const V3f& size, float reflectance) {
 
 std::vector<C3d> punctual_on(const Scene& scene, const ElementMesh& mesh) {
   std::uint64_t rays = 0;
-  std::vector<C3d> irradiance = punctual_irradiance(scene, mesh, 0, rays);
+  std::vector<C3d> irradiance = punctual_irradiance(scene, mesh, ElementResponse(scene, mesh), 0, rays);
   EXPECT_GT(rays, 0u);
   return irradiance;
 }
@@ -78,7 +78,7 @@ TEST(PunctualIrradiance, ADirectionalLightIsTheSameEverywhere) {
   SceneDescription from_below = floor_below(DirectionalLight{-down, C3f(3.0f)});
   const Scene dark(std::move(from_below));
   std::uint64_t rays = 0;
-  for (const C3d& irradiance : punctual_irradiance(dark, mesh, 0, rays)) EXPECT_EQ(irradiance, C3d(0.0));
+  for (const C3d& irradiance : punctual_irradiance(dark, mesh, ElementResponse(dark, mesh), 0, rays)) EXPECT_EQ(irradiance, C3d(0.0));
 }
 
 TEST(PunctualIrradiance, ASpotThrowsAllOfItsPowerOntoAFloorThatHoldsItsCone) {
