@@ -3,7 +3,6 @@
 #include <bit>
 
 #include "radiosity/analytic_exchange.h"
-#include "radiosity/caustics.h"
 #include "radiosity/direct_irradiance.h"
 #include "radiosity/enforce.h"
 #include "radiosity/hemicube.h"
@@ -11,9 +10,6 @@
 namespace twopass {
 
 namespace {
-
-// However few rays the elements cast: caustics have no smooth part that more of them would be wasted on.
-constexpr std::size_t least_caustic_paths = std::size_t{1} << 20;
 
 // About a million rays in all, a power of two for each element because such sets are the best stratified.
 std::uint32_t rays_of_a_million(std::size_t elements, std::size_t least, std::size_t most) {
@@ -108,15 +104,14 @@ ExchangeMatrix exchange_by(FormFactorMethod method, const Scene& scene, const El
 }
 
 // What reaches elements before the first diffuse reflection, but not straight from emitters.
-void add_sky_and_caustics(std::vector<C3d>& direct, const Scene& scene, const ElementMesh& mesh,
-                          const RaySurvey& survey, std::uint32_t seed, std::uint64_t& rays) {
+void add_sky_and_caustics(std::vector<C3d>& direct, const ElementMesh& mesh,
+                          const RaySurvey& survey, const CausticParticles& caustics) {
   for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += C3d(survey.sky[i]);
-  if (survey.met_specular == 0 && !survey.met_gloss) return;
-  // What glossy lobes beside diffuse ones reflect is weak and wide.
-  const std::size_t paths = std::max(survey.met_specular == 0 ? std::size_t{1} : least_caustic_paths,
-                                     std::size_t{survey.rays_per_element} * mesh.count());
-  const std::vector<C3d> caustics = caustic_irradiance(scene, mesh, paths, seed, rays);
-  for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += caustics[i];
+  for (const CausticParticle& particle : caustics.all()) {
+    const std::uint32_t element = mesh.find(particle.point());
+    if (element != no_index && mesh.area(element) > 0.0)
+      direct[element] += C3d(particle.power) * (1.0 / mesh.area(element));
+  }
 }
 
 }  // namespace
@@ -136,7 +131,7 @@ std::vector<C3f> clamped_reflectances(const ElementMesh& mesh, RadiosityStats& s
 }
 
 Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                         FormFactorMethod method, RadiosityStats& stats) {
+                         FormFactorMethod method, const CausticParticles& caustics, RadiosityStats& stats) {
   Balance balance;
   balance.reflectance = clamped_reflectances(mesh, stats);
   const std::uint32_t rays =
@@ -153,14 +148,15 @@ Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityO
   enforcement.apply(balance.exchange, enforcement.sums(direct.exchange_with_lamps), stats);
 
   balance.direct = std::move(direct.irradiance);
-  add_sky_and_caustics(balance.direct, scene, mesh, survey, options.seed, stats.rays);
+  add_sky_and_caustics(balance.direct, mesh, survey, caustics);
   balance.specular = std::move(survey.specular);
   cap_specular_links(balance);
   return balance;
 }
 
 FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                            FormFactorMethod method, Keep keep, RadiosityStats& stats) {
+                            FormFactorMethod method, Keep keep, const CausticParticles& caustics,
+                            RadiosityStats& stats) {
   // The survey only says what is buried and open, unless it stands for the light of the sky or of mirrors.
   const bool is_light = !scene.environment().is_black() || keep == Keep::links;
   std::uint32_t rays = rays_of_a_million(mesh.count(), is_light ? 64 : 16, 1024);
@@ -173,7 +169,7 @@ FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const Radiosi
       direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed, stats.rays);
   FirstLight light;
   light.direct = std::move(direct.irradiance);
-  add_sky_and_caustics(light.direct, scene, mesh, survey, options.seed, stats.rays);
+  add_sky_and_caustics(light.direct, mesh, survey, caustics);
   if (keep == Keep::totals) return light;
   std::vector<double> area;
   for (std::uint32_t i = 0; i < mesh.count(); ++i) area.push_back(mesh.area(i));

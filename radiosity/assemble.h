@@ -2,6 +2,7 @@
 #pragma once
 
 #include "radiosity/balance.h"
+#include "radiosity/caustic_particles.h"
 #include "radiosity/elements.h"
 #include "radiosity/enforce.h"
 #include "radiosity/options.h"
@@ -15,7 +16,7 @@ std::vector<C3f> clamped_reflectances(const ElementMesh& mesh, RadiosityStats& s
 /// Everything of the balance: form factors by `method`, enforced, and direct irradiance. Exposes the elements.
 /// The statistics get rays, closure and notes. REQUIRES: method not automatic.
 Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                         FormFactorMethod method, RadiosityStats& stats);
+                         FormFactorMethod method, const CausticParticles& caustics, RadiosityStats& stats);
 
 /// What solvers start from that find form factors by themselves.
 struct FirstLight {
@@ -27,6 +28,7 @@ struct FirstLight {
 /// The same without form factors, at most 64 bytes an element with Keep::totals, for which `method` has to be
 /// `rays`.
 FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                            FormFactorMethod method, Keep keep, RadiosityStats& stats);
+                            FormFactorMethod method, Keep keep, const CausticParticles& caustics,
+                            RadiosityStats& stats);
 
 }  // namespace twopass

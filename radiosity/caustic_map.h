@@ -4,29 +4,21 @@
 
 #include <vector>
 
+#include "radiosity/caustic_particles.h"
 #include "render/core/sampler.h"
-#include "render/scene/scene.h"
 
 namespace twopass {
-
-struct CausticMapOptions {
-  /// Most particles that are shot.
-  std::size_t particles = std::size_t{1} << 20;
-  std::uint32_t seed = 0;
-};
 
 /// The irradiance L (S|G)+ D from emitting shapes: over one or more surfaces that scatter without diffusing, to the
 /// first that diffuses. A particle's power is spread over a disk around it that is the smaller the more particles
 /// there are (R49). Const and thread-safe once built; the same bits on any number of threads.
 class CausticMap {
  public:
-  /// Shoots particles from the scene's emitting shapes, more where a few have shown that specular surfaces are.
-  /// Throws Interrupted when the user stops it.
-  explicit CausticMap(const Scene& scene, const CausticMapOptions& options = {});
+  /// Of the particles that are caustics; they may be forgotten afterwards.
+  CausticMap(const Scene& scene, const CausticParticles& particles);
 
   /// No particle has arrived anywhere.
   [[nodiscard]] bool empty() const { return levels_.empty(); }
-  [[nodiscard]] std::uint64_t rays() const { return rays_; }
   [[nodiscard]] std::size_t particles() const;
 
   /// Irradiance on the viewer's side of a point, W/m2.
@@ -103,7 +95,6 @@ class CausticMap {
 
   V3f origin_{0.0f};
   std::vector<Level> levels_;
-  std::uint64_t rays_ = 0;
 };
 
 }  // namespace twopass

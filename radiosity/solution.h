@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "radiosity/caustic_particles.h"
 #include "radiosity/elements.h"
 #include "radiosity/irradiance.h"
 #include "radiosity/options.h"
@@ -48,9 +49,11 @@ class Solution {
 };
 
 /// Divides the surfaces into elements and solves for the balance of light between them, in the order: elements,
-/// form factors, enforcement of their sums, direct irradiance, solver. The same bits on any number of threads.
+/// form factors, enforcement of their sums, direct irradiance, solver. `caustics`: the scene's, if they have been shot
+/// before. The same bits on any number of threads.
 /// Throws Error when the chosen method cannot handle so many elements, Interrupted when the user stops it.
-Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options = {});
+Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options = {},
+                         const CausticParticles* caustics = nullptr);
 /// The same on the elements of another solution, of a scene with the same surfaces and materials under other
 /// lights.
 Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,

@@ -134,8 +134,9 @@ struct Importance {
 
 std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh& mesh,
                                                 const RadiosityOptions& options, const Choice& choice,
-                                                RadiosityStats& stats, Importance* importance) {
-  const Balance balance = assemble_balance(scene, mesh, options, choice.method, stats);
+                                                const CausticParticles& caustics, RadiosityStats& stats,
+                                                Importance* importance) {
+  const Balance balance = assemble_balance(scene, mesh, options, choice.method, caustics, stats);
   Solver solver = choice.solver;
   // Conjugate gradients are never slower, and much faster where little is absorbed, but they want symmetry.
   const bool is_symmetric = balance.specular.link.empty() && mesh.weights().empty();
@@ -160,12 +161,13 @@ std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh&
 }
 
 std::vector<Irradiance> solve_stochastically(const Scene& scene, ElementMesh& mesh,
-                                             const RadiosityOptions& options, RadiosityStats& stats) {
+                                             const RadiosityOptions& options,
+                                             const CausticParticles& caustics, RadiosityStats& stats) {
   clamped_reflectances(mesh, stats);  // says so
   std::vector<C3f> direct;
   {
     const FirstLight light =
-        find_first_light(scene, mesh, options, FormFactorMethod::rays, Keep::totals, stats);
+        find_first_light(scene, mesh, options, FormFactorMethod::rays, Keep::totals, caustics, stats);
     direct.assign(light.direct.begin(), light.direct.end());
   }
   StochasticOptions stochastic;
@@ -189,9 +191,10 @@ std::vector<Irradiance> solve_stochastically(const Scene& scene, ElementMesh& me
 }
 
 std::vector<Irradiance> solve_with_links(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                                         RadiosityStats& stats) {
+                                         const CausticParticles& caustics, RadiosityStats& stats) {
   const std::vector<C3f> reflectance = clamped_reflectances(mesh, stats);
-  const FirstLight light = find_first_light(scene, mesh, options, FormFactorMethod::exact, Keep::links, stats);
+  const FirstLight light =
+      find_first_light(scene, mesh, options, FormFactorMethod::exact, Keep::links, caustics, stats);
   const HierarchicalResult result = solve_hierarchical(
       scene, mesh, {reflectance, light.direct, light.specular, light.sums, options.max_reflections},
       StopRule{std::max(options.relative_error, smallest_relative_error)}, options.seed);
@@ -213,17 +216,17 @@ std::vector<Irradiance> solve_with_links(const Scene& scene, ElementMesh& mesh, 
 // Solves on the given elements, exposes them, and fills in the statistics, adding up rays. What is to be known
 // of `importance` only a balance of form factors says.
 std::vector<Irradiance> solve_on(const Scene& scene, ElementMesh& mesh, const RadiosityOptions& options,
-                                 const Choice& choice, RadiosityStats& stats,
+                                 const Choice& choice, const CausticParticles& caustics, RadiosityStats& stats,
                                  Importance* importance = nullptr) {
   stats.elements = mesh.count();
-  if (choice.solver == Solver::stochastic) return solve_stochastically(scene, mesh, options, stats);
-  if (choice.solver == Solver::hierarchical) return solve_with_links(scene, mesh, options, stats);
-  return solve_with_form_factors(scene, mesh, options, choice, stats, importance);
+  if (choice.solver == Solver::stochastic) return solve_stochastically(scene, mesh, options, caustics, stats);
+  if (choice.solver == Solver::hierarchical) return solve_with_links(scene, mesh, options, caustics, stats);
+  return solve_with_form_factors(scene, mesh, options, choice, caustics, stats, importance);
 }
 
 // Refines the coarse elements where solutions on them say that it matters, up to the number allowed.
 ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
-                              const Choice& choice, RadiosityStats& stats) {
+                              const Choice& choice, const CausticParticles& caustics, RadiosityStats& stats) {
   RadiosityOptions pilot = options;
   if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
   const Choice pilot_choice{choice.method, Solver::automatic, choice.max_elements, true, false};
@@ -232,7 +235,7 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
     RadiosityStats pilot_stats;
     Importance importance{parts_of(mesh, seen)};
     const std::vector<Irradiance> irradiance =
-        solve_on(scene, mesh, pilot, pilot_choice, pilot_stats, seen.empty() ? nullptr : &importance);
+        solve_on(scene, mesh, pilot, pilot_choice, caustics, pilot_stats, seen.empty() ? nullptr : &importance);
     stats.rays += pilot_stats.rays;
     // A round at most doubles the number, so that the next one is better informed.
     const std::size_t room = std::min(choice.max_elements - mesh.count(), mesh.count()) / 3;
@@ -249,8 +252,8 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
 // The elements that the solution is found on. Where all is left to the program, for gathering, and triangles are so
 // small that elements are not cut adaptively, they are weighted by what is seen of them.
 ElementMesh final_elements(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
-                           const Choice& choice, RadiosityStats& stats) {
-  if (choice.is_adaptive) return refine_adaptively(scene, std::move(mesh), options, choice, stats);
+                           const Choice& choice, const CausticParticles& caustics, RadiosityStats& stats) {
+  if (choice.is_adaptive) return refine_adaptively(scene, std::move(mesh), options, choice, caustics, stats);
   if (choice.is_for_gathering && !options.view.empty())
     mesh.weigh(weights_from_afar(scene, mesh, options.view, options.seed, stats.rays));
   return mesh;
@@ -258,7 +261,7 @@ ElementMesh final_elements(const Scene& scene, ElementMesh mesh, const Radiosity
 
 // On elements that are wholly exposed.
 Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options, const Choice& choice,
-                    bool is_final) {
+                    const CausticParticles* shot, bool is_final) {
   RadiosityStats stats;
   stats.max_reflections = options.max_reflections;
   const bool is_dark =
@@ -271,8 +274,12 @@ Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions
     std::vector<Irradiance> darkness(mesh.count());
     return Solution(std::move(mesh), std::move(darkness), std::move(stats));
   }
-  if (!is_final) mesh = final_elements(scene, std::move(mesh), options, choice, stats);
-  std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, stats);
+  std::optional<CausticParticles> own;
+  if (!shot) own.emplace(scene, CausticParticlesOptions{.seed = options.seed});
+  const CausticParticles& caustics = shot ? *shot : *own;
+  stats.rays += caustics.rays();
+  if (!is_final) mesh = final_elements(scene, std::move(mesh), options, choice, caustics, stats);
+  std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, caustics, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
 }
 
@@ -286,12 +293,13 @@ Choice settle(const Scene& scene, RadiosityOptions& options) {
 
 }  // namespace
 
-Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested) {
+Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested,
+                         const CausticParticles* caustics) {
   RadiosityOptions options = requested;
   const Choice choice = settle(scene, options);
   ElementMesh mesh =
       divide_surfaces(scene, choice.is_adaptive ? choice.max_elements / coarse_part : choice.max_elements);
-  return solve_from(scene, std::move(mesh), options, choice, false);
+  return solve_from(scene, std::move(mesh), options, choice, caustics, false);
 }
 
 Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
@@ -304,7 +312,7 @@ Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
     saved.area[i] = static_cast<float>(elements.whole_area(i));
   std::optional<ElementMesh> mesh = ElementMesh::restore(scene.shapes(), scene.description().materials, saved);
   mesh->weigh(elements.weights());
-  return solve_from(scene, std::move(*mesh), options, choice, true);
+  return solve_from(scene, std::move(*mesh), options, choice, nullptr, true);
 }
 
 }  // namespace twopass

@@ -45,6 +45,15 @@ std::vector<bool> seen_elements(const PassOneJob& job, const Solution& solution)
   return seen;
 }
 
+// Small pictures show less of a caustic, and are rendered in less time.
+CausticParticlesOptions particles_options(const RadiosityOptions& radiosity) {
+  constexpr std::size_t particles_of_a_pixel = 16, least = std::size_t{1} << 17;
+  CausticParticlesOptions options{.seed = radiosity.seed};
+  if (radiosity.gathered_pixels > 0)
+    options.particles = std::clamp(particles_of_a_pixel * radiosity.gathered_pixels, least, options.particles);
+  return options;
+}
+
 // Gathering is guided where indirect light is not looked up. Larger cells than for paths, of which only the first
 // direction is gathered.
 GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, const std::vector<bool>& seen) {
@@ -81,14 +90,16 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   PreparedPassOne done;
   if (!job.plan.radiosity_pass) return done;
   Stopwatch stopwatch;
-  done.solution = std::make_unique<const Solution>(job.solved ? std::move(*job.solved)
-                                                              : solve_radiosity(job.scene, job.radiosity));
-  done.solution_time = stopwatch.elapsed();
-  if (job.plan.caustic_map) {
-    stopwatch = Stopwatch();
-    done.caustics = std::make_unique<const CausticMap>(job.scene, CausticMapOptions{.seed = job.radiosity.seed});
+  if (!job.solved || job.plan.caustic_map) {
+    const CausticParticles particles(job.scene, particles_options(job.radiosity));
+    if (job.plan.caustic_map) done.caustics = std::make_unique<const CausticMap>(job.scene, particles);
     done.caustics_time = stopwatch.elapsed();
+    stopwatch = Stopwatch();
+    if (!job.solved)
+      done.solution = std::make_unique<const Solution>(solve_radiosity(job.scene, job.radiosity, &particles));
   }
+  if (job.solved) done.solution = std::make_unique<const Solution>(std::move(*job.solved));
+  done.solution_time = stopwatch.elapsed();
   const std::vector<bool> seen = seen_elements(job, *done.solution);
   if (job.plan.indirect_field) {
     stopwatch = Stopwatch();

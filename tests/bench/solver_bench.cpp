@@ -20,7 +20,7 @@ Balance room_balance() {
   RadiosityOptions options;
   options.rays_per_element = 512;
   RadiosityStats stats;
-  return assemble_balance(scene, mesh, options, FormFactorMethod::rays, stats);
+  return assemble_balance(scene, mesh, options, FormFactorMethod::rays, CausticParticles(scene), stats);
 }
 
 template <class Solve>

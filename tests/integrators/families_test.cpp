@@ -104,7 +104,7 @@ TEST_P(FamiliesTest, TwoPassCarriesTheFamilyOnce) {
   EXPECT_NEAR(ours.mean(), truth.mean(),
               4.4 * std::hypot(ours.standard_error(), truth.standard_error()) + 0.01 * truth.mean());
   // The same with caustics from a map.
-  const CausticMap caustics(scene);
+  const CausticMap caustics(scene, CausticParticles(scene));
   if (caustics.empty()) return;
   const auto with_map =
       make_integrator(IntegratorKind::two_pass, scene, {.solution = &solution, .caustics = &caustics}, {});

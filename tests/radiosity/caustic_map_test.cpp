@@ -36,7 +36,7 @@ C3f mean_of_the_tile(const Scene& scene, const CausticMap& map) {
 
 TEST(CausticMap, OfAMirrorIsThatOfTheMirrorImage) {
   const Scene scene(lamp_beside_a_mirror());
-  const CausticMap map(scene);
+  const CausticMap map(scene, CausticParticles(scene));
   const C3f found = mean_of_the_tile(scene, map);
   constexpr float truth = 0.084353664388f;
   // Some 2000 particles have come to the tile, stratified: five times the error of independent ones is 11 %.
@@ -50,7 +50,7 @@ TEST(CausticMap, OfAMirrorIsThatOfTheMirrorImage) {
 
 TEST(CausticMap, PartsAddUpByLight) {
   const Scene scene(lamp_beside_a_mirror());
-  const CausticMap map(scene);
+  const CausticMap map(scene, CausticParticles(scene));
   const SurfacePoint point = floor_at(scene, 0.5f, 0.5f);
   C3f sum(0.0f);
   map.visit(point, [&](const C3f& part, std::uint32_t light) {
@@ -61,7 +61,8 @@ TEST(CausticMap, PartsAddUpByLight) {
 }
 
 TEST(CausticMap, WithoutSpecularSurfacesIsEmpty) {
-  EXPECT_TRUE(CausticMap(Scene(test::lit_cube(0.5f))).empty());
+  const Scene scene(test::lit_cube(0.5f));
+  EXPECT_TRUE(CausticMap(scene, CausticParticles(scene)).empty());
 }
 
 TEST(CausticMap, IsTheSameOnAnyNumberOfThreads) {
@@ -69,7 +70,7 @@ TEST(CausticMap, IsTheSameOnAnyNumberOfThreads) {
   C3f found[2];
   for (const int threads : {1, 3}) {
     const ThreadLimit limit(threads);
-    found[threads / 2] = mean_of_the_tile(scene, CausticMap(scene));
+    found[threads / 2] = mean_of_the_tile(scene, CausticMap(scene, CausticParticles(scene)));
   }
   EXPECT_EQ(found[0], found[1]);
 }
