@@ -57,11 +57,16 @@ CausticParticlesOptions particles_options(const RadiosityOptions& radiosity) {
 // Gathering is guided where indirect light is not looked up. Larger cells than for paths, of which only the first
 // direction is gathered.
 GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, const std::vector<bool>& seen) {
+  constexpr std::size_t least_cells = 64;
+  constexpr double rays_of_a_cell = Guide::rows * Guide::columns;
   GuideOptions options;
   options.seed = job.radiosity.seed;
+  if (job.integrator == IntegratorKind::two_pass) options.max_cells = 4096;
+  if (job.picture_rays > 0.0)
+    options.max_cells = std::clamp(static_cast<std::size_t>(share_of_pass_one * job.picture_rays / rays_of_a_cell),
+                                   least_cells, options.max_cells);
   if (job.integrator != IntegratorKind::two_pass) return options;
   options.cell_size = 0.05f;
-  options.max_cells = 4096;
   options.wanted = seen;
   options.without_caustics = done.caustics != nullptr;
   if (!done.field) return options;
@@ -118,16 +123,26 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   return done;
 }
 
-BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
-  // Where the number of samples is not known, 8, as many as a noise of a few percent may need; a two-pass
-  // sample takes about three rays, and a thread casts some five million a second.
-  constexpr double guessed_samples = 8.0, rays_of_a_sample = 3.0, rays_a_second = 5e6;
-  BiasGoal goal;
-  if (sampling.relative_error > 0.0) goal.most = std::clamp(sampling.relative_error / 6.0, 0.001, goal.most);
-  const double samples = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel : guessed_samples;
+double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
+  // A sample takes about three rays, and a thread casts some five million a second; the variance of a sample is
+  // a tenth of the square of its mean.
+  constexpr double rays_of_a_sample = 3.0, rays_a_second = 5e6, variance = 0.1;
+  const double e = sampling.relative_error;
+  double samples = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel : infinity_f;
+  if (e > 0.0) samples = std::min(samples, variance / (e * e));
   double rays = samples * rays_of_a_sample * window.size.x * window.size.y;
   if (sampling.seconds > 0.0) rays = std::min(rays, sampling.seconds * threads * rays_a_second);
-  goal.rays = 0.5 * certificate_share * rays;
+  return std::isfinite(rays) ? rays : 0.0;
+}
+
+BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
+  // Where the number of samples is not known, 8, as many as a noise of a few percent may need.
+  SamplingGoal guessed = sampling;
+  guessed.relative_error = 0.0;
+  if (guessed.samples_per_pixel == 0) guessed.samples_per_pixel = 8;
+  BiasGoal goal;
+  if (sampling.relative_error > 0.0) goal.most = std::clamp(sampling.relative_error / 6.0, 0.001, goal.most);
+  goal.rays = 0.5 * certificate_share * rays_of(guessed, window, threads);
   goal.seconds = share_of_pass_one * sampling.seconds;
   return goal;
 }
@@ -142,7 +157,8 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
                                            .plan = job.plan,
                                            .integrator = job.integrator,
                                            .radiosity = job.radiosity,
-                                           .solved = std::move(job.solved)});
+                                           .solved = std::move(job.solved),
+                                           .picture_rays = job.picture_rays});
   bool has_refined = false;
   for (std::uint32_t round = 0; done.solution; ++round) {
     PathLimits unclamped = limits;
@@ -168,8 +184,11 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
       has_refined = true;
       ++job.radiosity.refinement;
       const std::size_t before = done.solution->mesh().count();
-      PreparedPassOne finer = prepare_pass_one(
-          {.scene = job.scene, .plan = job.plan, .integrator = job.integrator, .radiosity = job.radiosity});
+      PreparedPassOne finer = prepare_pass_one({.scene = job.scene,
+                                                .plan = job.plan,
+                                                .integrator = job.integrator,
+                                                .radiosity = job.radiosity,
+                                                .picture_rays = job.picture_rays});
       finer.solution_time += spent;
       const std::size_t after = finer.solution->mesh().count();
       done = std::move(finer);

@@ -39,8 +39,12 @@ struct PassOneJob {
   IntegratorKind integrator;
   RadiosityOptions radiosity;           ///< with the seed of all that is random here
   std::optional<Solution> solved = {};  ///< used instead of solving
+  double picture_rays = 0.0;            ///< that the picture will take, about (rays_of()); 0: not known
 };
+/// The guide has larger cells where its rays would be more than 15 % of the picture's.
 PreparedPassOne prepare_pass_one(PassOneJob job);
+/// The rays of a picture that is rendered until `sampling` is met, as far as they can be foretold; 0: they cannot.
+double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads);
 
 /// How far off a picture's mean may be, and what may be done to keep to that.
 struct BiasGoal {

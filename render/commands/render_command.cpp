@@ -45,7 +45,11 @@ PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const Ren
                              const RenderSettings& settings, const SamplingGoal& goal, Plan& plan,
                              const RadiosityOptions& radiosity, const Console& console,
                              RenderStatistics& statistics, GroupedIrradiance& stored_groups) {
-  PassOneJob job{.scene = scene, .plan = plan, .integrator = settings.integrator, .radiosity = radiosity};
+  PassOneJob job{.scene = scene,
+                 .plan = plan,
+                 .integrator = settings.integrator,
+                 .radiosity = radiosity,
+                 .picture_rays = rays_of(goal, {{0, 0}, {settings.width, settings.height}}, statistics.threads)};
   Elapsed load_time;
   if (!plan.radiosity_pass) {
     for (const Skipped& skipped : plan.skipped)
