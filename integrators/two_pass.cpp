@@ -40,17 +40,17 @@ Step step_after(Known known, Vertex& vertex) {
 
 }  // namespace
 
-bool TwoPass::resolves(const SurfacePoint& point, float distance) const {
-  if (!solution_) return false;
-  const float size = solution_->element_size(point);
-  return size > 0.0f && distance >= contact_elements * size;
+bool TwoPass::resolves(const Vertex& vertex) const {
+  if (vertex.element() == no_index) return false;
+  const float size = solution_->mesh().size(vertex.element());
+  return size > 0.0f && vertex.distance() >= contact_elements * size;  // 0: all of it is buried
 }
 
 IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
   if (!field_ || is_black(diffuse_reflectance(vertex.bsdf()))) return {};
   const SurfacePoint& point = vertex.point();
   if (point.shading.n.dot(point.geometric_normal) < flat_cosine) return {};
-  IndirectField::LookUp found = field_->at(point);
+  IndirectField::LookUp found = field_->at(vertex.place());
   // How much of it coats let through depends on where light comes from: lamps are sampled there (radiosity, R50).
   if (found.known == Known::all && !std::holds_alternative<Diffuse>(vertex.bsdf()))
     found = {Known::indirect, found.irradiance - field_->direct_at(point)};
@@ -68,34 +68,53 @@ void TwoPass::add_caustics(Vertex& vertex) const {
   });
 }
 
+// Finds the element, and asks for what is kept of it: each would be waited for in turn.
+void TwoPass::look_ahead(Vertex& vertex) const {
+  if (!solution_ || is_specular(vertex.bsdf())) return;
+  vertex.set_place(solution_->mesh().locate(vertex.point()));
+  const std::uint32_t element = vertex.element();
+  if (element == no_index) return;
+  __builtin_prefetch(&solution_->irradiances()[element]);
+  if (field_) field_->prefetch(element);
+  if (guide_) guide_->prefetch(element);
+}
+
+Step TwoPass::at(Vertex& vertex) const {
+  if (caustics_) {
+    if (scene_.side(vertex.point()).scatters_without_diffusing())
+      vertex.pass_on_caustics();
+    else
+      vertex.set_has_caustics();
+  }
+  if (is_specular(vertex.bsdf())) return Step::scatter;
+  // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
+  if (vertex.gathers() && vertex.scatterings() >= least_scatterings_ &&
+      !is_black(diffuse_reflectance(vertex.bsdf())) && resolves(vertex)) {
+    const Irradiance& irradiance = solution_->irradiances()[vertex.element()];
+    vertex.add(vertex.diffuse_albedo() * irradiance.total() * (1.0f / pi_f), irradiance, LookUp::element);
+    return after_look_up(vertex);
+  }
+  if (caustics_ && !is_black(diffuse_reflectance(vertex.bsdf()))) add_caustics(vertex);
+  const IndirectField::LookUp found = look_up(vertex);
+  if (found.known >= Known::indirect) {
+    const bool has_direct = found.known == Known::all && vertex.has_layers();
+    const C3f direct = has_direct ? field_->direct_at(vertex.point()) : C3f(0.0f);
+    vertex.add(vertex.diffuse_albedo() * found.irradiance * (1.0f / pi_f), {direct, found.irradiance - direct},
+               LookUp::field);
+  }
+  const Step step = step_after(found.known, vertex);
+  if (guide_ && step >= Step::scatter && found.known < Known::indirect && vertex.element() != no_index)
+    vertex.guide_by(guide_->at(vertex.element(), vertex.point().geometric_normal));
+  return step;
+}
+
 void TwoPass::trace(std::span<PathSample> samples, RayCounts& counts) const {
-  trace_bundles(scene_, limits_, samples, counts, [this](Vertex& vertex) {
-    if (caustics_) {
-      if (scene_.side(vertex.point()).scatters_without_diffusing())
-        vertex.pass_on_caustics();
-      else
-        vertex.set_has_caustics();
-    }
-    if (is_specular(vertex.bsdf())) return Step::scatter;
-    // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
-    if (vertex.gathers() && vertex.scatterings() >= least_scatterings_ &&
-        !is_black(diffuse_reflectance(vertex.bsdf())) && resolves(vertex.point(), vertex.distance())) {
-      const Irradiance irradiance = solution_->irradiance(vertex.point());
-      vertex.add(vertex.diffuse_albedo() * irradiance.total() * (1.0f / pi_f), irradiance, LookUp::element);
-      return after_look_up(vertex);
-    }
-    if (caustics_ && !is_black(diffuse_reflectance(vertex.bsdf()))) add_caustics(vertex);
-    const IndirectField::LookUp found = look_up(vertex);
-    if (found.known >= Known::indirect) {
-      const bool has_direct = found.known == Known::all && vertex.has_layers();
-      const C3f direct = has_direct ? field_->direct_at(vertex.point()) : C3f(0.0f);
-      vertex.add(vertex.diffuse_albedo() * found.irradiance * (1.0f / pi_f),
-                 {direct, found.irradiance - direct}, LookUp::field);
-    }
-    const Step step = step_after(found.known, vertex);
-    if (guide_ && step >= Step::scatter && found.known < Known::indirect) vertex.guide_by(guide_->at(vertex.point()));
-    return step;
-  });
+  struct AtVertex {
+    const TwoPass& integrator;
+    Step operator()(Vertex& vertex) const { return integrator.at(vertex); }
+    void look_ahead(Vertex& vertex) const { integrator.look_ahead(vertex); }
+  };
+  trace_bundles(scene_, limits_, samples, counts, AtVertex{*this});
 }
 
 }  // namespace twopass

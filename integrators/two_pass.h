@@ -28,6 +28,7 @@
 namespace twopass {
 
 class Vertex;
+enum class Step : std::uint8_t;
 
 class TwoPass final : public Integrator {
  public:
@@ -44,7 +45,9 @@ class TwoPass final : public Integrator {
   void trace(std::span<PathSample> samples, RayCounts& counts) const override;
 
  private:
-  [[nodiscard]] bool resolves(const SurfacePoint& point, float distance) const;
+  void look_ahead(Vertex& vertex) const;
+  [[nodiscard]] Step at(Vertex& vertex) const;
+  [[nodiscard]] bool resolves(const Vertex& vertex) const;
   void add_caustics(Vertex& vertex) const;
   [[nodiscard]] IndirectField::LookUp look_up(const Vertex& vertex) const;
 

@@ -63,8 +63,8 @@ Unbiased::Unbiased(const Scene& scene, const PassOne& pass_one, const PathLimits
 // Finds the element, and asks for what is kept of it: each would be waited for in turn.
 void Unbiased::look_ahead(Vertex& vertex) const {
   if (!solution_ || is_specular(vertex.bsdf())) return;
-  const std::uint32_t element = solution_->mesh().find(vertex.point());
-  vertex.set_element(element);
+  vertex.set_place(solution_->mesh().locate(vertex.point()));
+  const std::uint32_t element = vertex.element();
   if (element == no_index) return;
   __builtin_prefetch(&solution_->irradiances()[element]);
   if (certain_) certain_->prefetch(element);

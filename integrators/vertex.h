@@ -271,8 +271,9 @@ class Vertex {
   }
 
   /// The element that an integrator's look_ahead() has found here; no_index: none, or not asked for.
-  void set_element(std::uint32_t element) { element_ = element; }
-  [[nodiscard]] std::uint32_t element() const { return element_; }
+  void set_place(const ElementMesh::Location& place) { place_ = place; }
+  [[nodiscard]] const ElementMesh::Location& place() const { return place_; }
+  [[nodiscard]] std::uint32_t element() const { return place_.element; }
 
   [[nodiscard]] const Bsdf& bsdf() const { return *bsdf_; }
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
@@ -376,7 +377,7 @@ class Vertex {
   float share_ = 0.0f;  // of the guide
   Guide::Lobe guide_;
   int guide_row_ = 0;
-  std::uint32_t element_ = no_index;
+  ElementMesh::Location place_{no_index, no_index, 0.0f, 0.0f};
   V2f u_light_, u_direction_;
   SurfacePoint point_;
   Bsdf resolved_;  // the model, where it varies over the surface; before bsdf_, which may point to it

@@ -49,12 +49,20 @@ class IndirectField {
     C3f irradiance{0.0f};  ///< of what is known, W/m2
   };
   /// On the viewer's side. What diffuse surfaces send includes what comes from them over specular ones.
-  [[nodiscard]] LookUp at(const SurfacePoint& point) const {
-    const ElementMesh::Location location = mesh_->locate(point);
+  [[nodiscard]] LookUp at(const SurfacePoint& point) const { return at(mesh_->locate(point)); }
+  /// The same where the element is known.
+  [[nodiscard]] LookUp at(const ElementMesh::Location& location) const {
     if (location.element >= known_.size()) return {};
     LookUp found{known_[location.element]};
     if (found.known >= Known::indirect) found.irradiance = interpolated(value_[location.element], location);
     return found;
+  }
+
+  /// Asks for what is kept of an element, so that it is at hand when at() is.
+  void prefetch(std::uint32_t element) const {
+    if (element >= known_.size()) return;
+    __builtin_prefetch(&known_[element]);
+    __builtin_prefetch(&value_[element]);
   }
 
   /// The light of lamps in what at() finds, W/m2.

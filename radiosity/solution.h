@@ -29,11 +29,6 @@ class Solution {
   /// The same made continuous for the eye: averaged at the corners of elements that meet at less than 30
   /// degrees, and interpolated. Not closer to the truth. The first call prepares the averages.
   [[nodiscard]] Irradiance smooth_irradiance(const SurfacePoint& point) const;
-  /// Square root of the element's area, in units of the scene; 0 where there is no element.
-  [[nodiscard]] float element_size(const SurfacePoint& point) const {
-    const std::uint32_t element = mesh_.find(point);
-    return element == no_index ? 0.0f : mesh_.size(element);
-  }
 
   [[nodiscard]] const RadiosityStats& stats() const { return stats_; }
   [[nodiscard]] const ElementMesh& mesh() const { return mesh_; }
