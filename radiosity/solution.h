@@ -43,6 +43,9 @@ class Solution {
   std::unique_ptr<Smooth> smooth_;
 };
 
+/// Most elements that solve_radiosity() makes of the scene.
+std::size_t element_limit(const Scene& scene, const RadiosityOptions& options);
+
 /// Divides the surfaces into elements and solves for the balance of light between them, in the order: elements,
 /// form factors, enforcement of their sums, direct irradiance, solver. `caustics`: the scene's, if they have been shot
 /// before. The same bits on any number of threads.

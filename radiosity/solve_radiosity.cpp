@@ -293,6 +293,10 @@ Choice settle(const Scene& scene, RadiosityOptions& options) {
 
 }  // namespace
 
+std::size_t element_limit(const Scene& scene, const RadiosityOptions& options) {
+  return choose(scene, options).max_elements;
+}
+
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested,
                          const CausticParticles* caustics) {
   RadiosityOptions options = requested;

@@ -30,10 +30,11 @@ ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow
 /// The gain below which pass one is not worth its own time.
 inline constexpr double least_gain = 1.15;
 
-/// Takes the radiosity pass of `two_pass` out of the plan where the view gains too little by it. Where a
-/// solution is there already (`has_solution`), it costs nothing.
+/// Takes the radiosity pass of `two_pass` out of the plan where the view gains too little by it, or where the
+/// scene is so detailed and the picture so short that it would cost more than it saves. `picture_rays`: that two
+/// passes would take, about; 0: not known. Where a solution is there already (`has_solution`), it costs nothing.
 void fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene, const Camera& camera,
                  const PixelWindow& window, const PathLimits& limits, std::uint32_t seed,
-                 bool has_solution = false);
+                 double picture_rays = 0.0, bool has_solution = false);
 
 }  // namespace twopass

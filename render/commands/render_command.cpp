@@ -221,7 +221,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   // Of the whole picture, so that a part of it is the same bits.
   const PixelWindow whole{{0, 0}, {settings.width, settings.height}};
   fit_to_view(plan, settings.integrator, scene, camera, whole, settings.limits, settings.seed,
-              !options.solution_file.empty());
+              rays_of(judged_by, whole, s.threads), !options.solution_file.empty());
   for (const Skipped& skipped : plan.skipped)
     console.detail("skipped: " + skipped.what + ", because " + skipped.why);
   const RadiosityOptions radiosity =

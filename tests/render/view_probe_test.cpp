@@ -98,10 +98,38 @@ TEST(ViewProbe, ThePictureIsTheSameWithAndWithoutWhatIsSkipped) {
               4.4 * std::hypot(with.standard_error(), without.standard_error()) + 0.002 * without.mean());
 }
 
+// A floor of 80,000 triangles: 10,000 elements at least, worth some 5 million rays.
+TEST(ViewProbe, PassOneIsSkippedWhereAShortPictureWouldWaitForManySurfaces) {
+  SceneDescription scene = test::furnished_room();
+  Mesh floor;
+  constexpr std::uint32_t side = 200;
+  for (std::uint32_t y = 0; y <= side; ++y)
+    for (std::uint32_t x = 0; x <= side; ++x)
+      floor.positions.emplace_back(static_cast<float>(x) / side, static_cast<float>(y) / side, 0.0f);
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const std::uint32_t at = y * (side + 1) + x;
+      floor.triangles.emplace_back(at, at + 1, at + side + 1);
+      floor.triangles.emplace_back(at + 1, at + side + 2, at + side + 1);
+    }
+  scene.shapes[0].geometry = floor;
+  const View view{std::move(scene), {0.5, 0.05, 0.5}, {0.5, 1.0, 0.4}};
+  const auto has_pass_one = [&](double picture_rays, bool has_solution) {
+    Plan plan = plan_render(needs_of(view.scene.description()), IntegratorKind::two_pass, {});
+    fit_to_view(plan, IntegratorKind::two_pass, view.scene, view.camera, window, {}, 0, picture_rays, has_solution);
+    EXPECT_EQ(plan.skipped.empty(), plan.radiosity_pass);
+    return plan.radiosity_pass;
+  };
+  EXPECT_FALSE(has_pass_one(1e5, false));
+  EXPECT_TRUE(has_pass_one(1e5, true));
+  EXPECT_TRUE(has_pass_one(1e8, false));
+  EXPECT_TRUE(has_pass_one(0.0, false));
+}
+
 TEST(ViewProbe, ASolutionThatIsThereIsUsed) {
   const View view = glass_ball();
   Plan plan = plan_render(needs_of(view.scene.description()), IntegratorKind::two_pass, {});
-  fit_to_view(plan, IntegratorKind::two_pass, view.scene, view.camera, window, {}, 0, true);
+  fit_to_view(plan, IntegratorKind::two_pass, view.scene, view.camera, window, {}, 0, 0.0, true);
   EXPECT_TRUE(plan.radiosity_pass);
 }
 
