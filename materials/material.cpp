@@ -325,6 +325,9 @@ MaterialNodePtr MaterialSide::node() const {
   return std::make_shared<const MaterialNode>(MaterialNode{TexturedModel{bsdf_, {}}});
 }
 
+void MaterialSide::resolve(const TexturePoint& where, Bsdf& bsdf) const {
+  resolve_model(std::get<TexturedModel>(node_->kind), where, bsdf);
+}
 void MaterialSide::resolve(ShadingGeometry& at, float u, Bsdf& bsdf) const {
   resolve_node(*node_, at, u, bsdf);
 }

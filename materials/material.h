@@ -105,6 +105,11 @@ class MaterialSide {
   /// The model at a point into `bsdf`; the shading frame may be turned for it. `u` in [0, 1) chooses among
   /// mixtures: the expectation over it is the material. REQUIRES: !is_uniform().
   void resolve(ShadingGeometry& at, float u, Bsdf& bsdf) const;
+  /// Whether the model depends on the texture coordinates alone: then where they are is enough. REQUIRES:
+  /// !is_uniform().
+  [[nodiscard]] bool is_single_model() const { return std::holds_alternative<TexturedModel>(node_->kind); }
+  /// REQUIRES: !is_uniform(), is_single_model().
+  void resolve(const TexturePoint& where, Bsdf& bsdf) const;
   [[nodiscard]] Bsdf resolve(ShadingGeometry& at, float u) const {
     Bsdf bsdf;
     resolve(at, u, bsdf);

@@ -1,5 +1,7 @@
 #include "materials/texture.h"
 
+#include <bit>
+
 namespace twopass {
 
 namespace {
@@ -52,7 +54,8 @@ int level_for(const Bitmap& bitmap, const V2f& footprint) {
   const float texels =
       std::min(extent.x * static_cast<float>(image.width()), extent.y * static_cast<float>(image.height()));
   if (!(texels >= 2.0f)) return 0;
-  return std::min(std::ilogb(std::min(texels, 0x1p30f)), image.level_count() - 1);
+  const int exponent = static_cast<int>(std::bit_cast<std::uint32_t>(texels) >> 23) - 127;
+  return std::min(exponent, image.level_count() - 1);
 }
 
 // Beyond this the fraction of a texel is lost, and integers overflow further on.
@@ -66,10 +69,10 @@ V2f texel_coordinates(const Bitmap& bitmap, const V2i& size, const V2f& uv) {
   return is_valid ? texel : V2f(0.0f, 0.0f);
 }
 
-// The four texels around a point, and how far it lies between them.
+// The columns and rows of the four texels around a point, and how far it lies between them.
 struct Patch {
-  TexelPatch texels;
-  float x, y;
+  V2i columns, rows;
+  V2f at;
 };
 
 Patch patch_at(const Bitmap& bitmap, int level, const V2f& uv) {
@@ -80,7 +83,7 @@ Patch patch_at(const Bitmap& bitmap, int level, const V2f& uv) {
   const int column = wrapped(i, size.x, bitmap.wrap_u), row = wrapped(j, size.y, bitmap.wrap_v);
   const V2i columns(column, wrapped_next(i, column, size.x, bitmap.wrap_u));
   const V2i rows(row, wrapped_next(j, row, size.y, bitmap.wrap_v));
-  return {bitmap.image->patch(level, columns, rows), at.x - x, at.y - y};
+  return {columns, rows, {at.x - x, at.y - y}};
 }
 
 C3f color_of(const C3f& color, const TexturePoint&) { return color; }
@@ -113,9 +116,7 @@ C3f color_of(const Bitmap& bitmap, const TexturePoint& at) {
                                 wrapped(static_cast<int>(std::floor(texel.y)), size.y, bitmap.wrap_v)));
   }
   const Patch p = patch_at(bitmap, level, at.uv);
-  const TexelPatch& t = p.texels;
-  const C3f upper = t.c00 * (1.0f - p.x) + t.c10 * p.x, lower = t.c01 * (1.0f - p.x) + t.c11 * p.x;
-  return finished(bitmap, upper * (1.0f - p.y) + lower * p.y);
+  return finished(bitmap, bitmap.image->mix(level, p.columns, p.rows, p.at));
 }
 
 // The tile at a point; an edge between two belongs to the first. Null: there is none.
@@ -169,11 +170,12 @@ V2f gradient_at(const Texture& texture, const TexturePoint& at) {
   const int level = level_for(*bitmap, at.footprint);
   const V2i size = bitmap->image->size(level);
   const Patch p = patch_at(*bitmap, level, at.uv);
+  const TexelPatch texels = bitmap->image->patch(level, p.columns, p.rows);
   const auto number = [&](const C3f& texel) { return grey(adjusted(bitmap->scale, texel)); };
-  const float f00 = number(p.texels.c00), f10 = number(p.texels.c10), f01 = number(p.texels.c01),
-              f11 = number(p.texels.c11);
-  const float by_x = ((1.0f - p.y) * (f10 - f00) + p.y * (f11 - f01)) * static_cast<float>(size.x);
-  const float by_y = ((1.0f - p.x) * (f01 - f00) + p.x * (f11 - f10)) * static_cast<float>(size.y);
+  const float f00 = number(texels.c00), f10 = number(texels.c10), f01 = number(texels.c01),
+              f11 = number(texels.c11);
+  const float by_x = ((1.0f - p.at.y) * (f10 - f00) + p.at.y * (f11 - f01)) * static_cast<float>(size.x);
+  const float by_y = ((1.0f - p.at.x) * (f01 - f00) + p.at.x * (f11 - f10)) * static_cast<float>(size.y);
   const UvTransform& m = bitmap->to_uv;
   return {m.a * by_x + m.d * by_y, m.b * by_x + m.e * by_y};
 }

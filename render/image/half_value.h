@@ -6,12 +6,13 @@
 
 namespace twopass {
 
-/// The value of a half float by its bits. REQUIRES: it is finite.
-inline float value_of_half(std::uint16_t bits) {
-  const std::uint32_t magnitude = std::uint32_t{bits & 0x7fffu} << 13,
-                      sign = std::uint32_t{bits & 0x8000u} << 16;
-  const float scaled = std::bit_cast<float>(magnitude) * 0x1p112f;  // makes up for the biases of the exponents
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(scaled) | sign);
+/// The value of a half float by its bits, or of several side by side. REQUIRES: they are finite.
+template <class Real, class Word>
+Real value_of_half(Word bits) {
+  const Word magnitude = (bits & 0x7fffu) << 13, sign = (bits & 0x8000u) << 16;
+  const Real scaled = std::bit_cast<Real>(magnitude) * 0x1p112f;  // makes up for the biases of the exponents
+  return std::bit_cast<Real>(std::bit_cast<Word>(scaled) | sign);
 }
+inline float value_of_half(std::uint16_t bits) { return value_of_half<float>(std::uint32_t{bits}); }
 
 }  // namespace twopass

@@ -14,6 +14,11 @@ namespace twopass {
 
 namespace {
 
+// Four numbers side by side: the channels of a texel.
+using Floats [[gnu::vector_size(16)]] = float;
+using Words [[gnu::vector_size(16)]] = std::uint32_t;
+using Halfs [[gnu::vector_size(8)]] = std::uint16_t;
+
 std::size_t size_of(TexelFormat format) {
   return format == TexelFormat::byte ? 1 : format == TexelFormat::half ? 2 : 4;
 }
@@ -34,6 +39,18 @@ struct Samples {
     std::memcpy(&value, bytes + 4 * i, 4);
     return value;
   }
+  // Three of them; the fourth number is any.
+  [[nodiscard]] Floats three(std::size_t i) const {
+    if constexpr (format == TexelFormat::half) {
+      std::uint32_t first;
+      std::uint16_t last;
+      std::memcpy(&first, bytes + 2 * i, 4);
+      std::memcpy(&last, bytes + 2 * i + 4, 2);
+      const auto bits = std::bit_cast<Halfs>(std::uint64_t{last} << 32 | first);
+      return value_of_half<Floats>(__builtin_convertvector(bits, Words));
+    }
+    return Floats{(*this)[i], (*this)[i + 1], (*this)[i + 2], 0.0f};
+  }
 };
 
 // Calls visit(samples) with the samples in their format.
@@ -50,10 +67,10 @@ auto with_samples(const TexelLevel& level, const std::vector<float>& values_of_c
 }
 
 template <class Values>
-C3f texel_at(const Values& values, std::size_t texel, int channels) {
-  if (channels == 1) return C3f(values[texel]);
-  return {values[3 * texel], values[3 * texel + 1], values[3 * texel + 2]};
+Floats texel_at(const Values& values, std::size_t texel, int channels) {
+  return channels == 1 ? Floats{} + values[texel] : values.three(3 * texel);
 }
+C3f color_of(const Floats& texel) { return {texel[0], texel[1], texel[2]}; }
 
 // The share of each source texel in a texel of the next level along one axis: two, or three where the size is
 // odd.
@@ -120,7 +137,7 @@ C3f mean_of(const TexelLevel& level, int channels, const std::vector<float>& val
   const auto count = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
   C3d sum(0.0);
   with_samples(level, values_of_codes, [&](const auto& samples) {
-    for (std::size_t i = 0; i < count; ++i) sum += C3d(texel_at(samples, i, channels));
+    for (std::size_t i = 0; i < count; ++i) sum += C3d(color_of(texel_at(samples, i, channels)));
   });
   return C3f(sum / static_cast<double>(count));
 }
@@ -180,19 +197,39 @@ C3f TextureImage::texel(int level, int x, int y) const {
   const std::size_t index =
       static_cast<std::size_t>(y) * static_cast<std::size_t>(l.width) + static_cast<std::size_t>(x);
   return with_samples(l, values_of_codes_,
-                      [&](const auto& samples) { return texel_at(samples, index, channels_); });
+                      [&](const auto& samples) { return color_of(texel_at(samples, index, channels_)); });
 }
 
-TexelPatch TextureImage::patch(int level, const V2i& x, const V2i& y) const {
-  if (tiles_) return tiles_->patch(level, x, y);
+template <class Visit>
+auto TextureImage::with_patch(int level, const V2i& x, const V2i& y, const Visit& visit) const {
   const TexelLevel& l = levels_[static_cast<std::size_t>(level)];
   const std::size_t width = static_cast<std::size_t>(l.width), left = static_cast<std::size_t>(x.x),
                     right = static_cast<std::size_t>(x.y), upper = static_cast<std::size_t>(y.x) * width,
                     lower = static_cast<std::size_t>(y.y) * width;
   return with_samples(l, values_of_codes_, [&](const auto& samples) {
-    return TexelPatch{texel_at(samples, upper + left, channels_), texel_at(samples, upper + right, channels_),
-                      texel_at(samples, lower + left, channels_), texel_at(samples, lower + right, channels_)};
+    return visit(texel_at(samples, upper + left, channels_), texel_at(samples, upper + right, channels_),
+                 texel_at(samples, lower + left, channels_), texel_at(samples, lower + right, channels_));
   });
+}
+
+TexelPatch TextureImage::patch(int level, const V2i& x, const V2i& y) const {
+  if (tiles_) return tiles_->patch(level, x, y);
+  return with_patch(level, x, y,
+                    [](const Floats& c00, const Floats& c10, const Floats& c01, const Floats& c11) {
+                      return TexelPatch{color_of(c00), color_of(c10), color_of(c01), color_of(c11)};
+                    });
+}
+
+C3f TextureImage::mix(int level, const V2i& x, const V2i& y, const V2f& at) const {
+  const auto mixed = [&at](const auto& c00, const auto& c10, const auto& c01, const auto& c11) {
+    const auto upper = c00 * (1.0f - at.x) + c10 * at.x, lower = c01 * (1.0f - at.x) + c11 * at.x;
+    return upper * (1.0f - at.y) + lower * at.y;
+  };
+  if (tiles_) {
+    const TexelPatch p = tiles_->patch(level, x, y);
+    return mixed(p.c00, p.c10, p.c01, p.c11);
+  }
+  return color_of(with_patch(level, x, y, mixed));
 }
 
 std::size_t TextureImage::memory() const {

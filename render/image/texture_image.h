@@ -56,6 +56,9 @@ class TextureImage {
   /// The texels of the columns x.x, x.y and the rows y.x, y.y. REQUIRES: all in range.
   [[nodiscard]] TexelPatch patch(int level, const V2i& x, const V2i& y) const;
 
+  /// The mean of these four, with the weight `at` of the right and the lower ones. REQUIRES: all in range.
+  [[nodiscard]] C3f mix(int level, const V2i& x, const V2i& y, const V2f& at) const;
+
   /// Mean of all texels of level 0.
   [[nodiscard]] const C3f& mean() const { return mean_; }
   /// A hash of everything that look-ups depend on. The same on every machine.
@@ -73,6 +76,9 @@ class TextureImage {
 
  private:
   void finish();
+  // visit(upper left, upper right, lower left, lower right), four texels of a level that is not tiled.
+  template <class Visit>
+  auto with_patch(int level, const V2i& x, const V2i& y, const Visit& visit) const;
 
   std::vector<TexelLevel> levels_;  // without bytes where there are tiles
   std::unique_ptr<const TiledLevels> tiles_;

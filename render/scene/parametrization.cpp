@@ -12,7 +12,7 @@ Parametrization any_parametrization(const V2f& uv, const V3f& normal) {
 Parametrization parametrization(const std::array<V3f, 3>& p, const std::array<V2f, 3>& uvs,
                                 const V2f& barycentric, const V3f& normal) {
   const V2f duv1 = uvs[1] - uvs[0], duv2 = uvs[2] - uvs[0];
-  const V2f uv = uvs[0] + duv1 * barycentric.x + duv2 * barycentric.y;
+  const V2f uv = interpolated(uvs, barycentric);
   const float determinant = duv1.x * duv2.y - duv1.y * duv2.x;
   const float inverse = 1.0f / determinant;
   if (determinant == 0.0f || !std::isfinite(inverse)) return any_parametrization(uv, normal);

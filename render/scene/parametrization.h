@@ -10,6 +10,13 @@ struct Parametrization {
   V3f dp_du, dp_dv;  ///< never zero: any tangents where the coordinates have no derivatives
 };
 
+/// Texture coordinates at a point of a triangle; `barycentric` of corners 1 and 2.
+inline V2f interpolated(const std::array<V2f, 3>& uvs, const V2f& barycentric) {
+  return uvs[0] + (uvs[1] - uvs[0]) * barycentric.x + (uvs[2] - uvs[0]) * barycentric.y;
+}
+/// How far u and v go along a unit of length where they change fastest.
+inline V2f rate_of(const Parametrization& p) { return {1.0f / p.dp_du.length(), 1.0f / p.dp_dv.length()}; }
+
 /// With any tangents. `normal`: unit, of the front.
 Parametrization any_parametrization(const V2f& uv, const V3f& normal);
 /// At a point of a triangle with these texture coordinates at its corners, `barycentric` of corners 1 and 2.

@@ -24,7 +24,7 @@ struct Hit {
   std::uint32_t shape = no_index;  ///< no_index: the ray escaped
   std::uint32_t primitive = 0;     ///< triangle of the mesh; 0 for an analytic surface
   float t = infinity_f;            ///< distance in units of the direction's length
-  float u = 0.0f, v = 0.0f;  ///< barycentric coordinates of the triangle's corners 1 and 2; 0 elsewhere
+  float u = 0.0f, v = 0.0f;        ///< barycentric coordinates of the triangle's corners 1 and 2; 0 elsewhere
   [[nodiscard]] bool escaped() const { return shape == no_index; }
 };
 
@@ -37,10 +37,10 @@ struct SurfacePoint {
   float u, v;    ///< barycentric coordinates as in Hit
   std::uint32_t shape, primitive;
   Side side;  ///< the side that the viewer sees
-  /// Texture coordinates and the position's derivatives by them; only where the material or its light needs
-  /// them.
-  V2f uv;
-  V3f dp_du, dp_dv;
+  /// Texture coordinates, and how far they go along a unit of length; only where the material or its light
+  /// needs them.
+  V2f uv, uv_rate;
+  V3f dp_du, dp_dv;  ///< the position's derivatives by them; only where the material needs tangents
   /// Width of the beam that textures are looked at through; 0: a ray.
   float beam_width = 0.0f;
   [[nodiscard]] TexturePoint where() const { return {uv, V2f(0.0f, 0.0f), {primitive, {u, v}}}; }

@@ -81,7 +81,9 @@ void Scene::find_faces() {
     for (std::uint32_t i = 0; mesh && i < mesh->triangles.size(); ++i) {
       const auto p = corners(*mesh, i);
       const float offset = rounding_offset(p);
-      faces.push_back({unit((p[1] - p[0]).cross(p[2] - p[0])), offset, near_edge(p, offset)});
+      const V3f normal = unit((p[1] - p[0]).cross(p[2] - p[0]));
+      faces.push_back(
+          {normal, offset, near_edge(p, offset), rate_of(parametrization(*mesh, i, V2f(0.0f), normal))});
     }
   }
   for (std::size_t s = 0; s < list.size(); ++s) surfaces_[s].faces = face_lists_[list[s]].data();
@@ -219,11 +221,20 @@ V2f Scene::texture_coordinates(const SurfacePoint& point) const {
 }
 
 void Scene::add_parametrization(SurfacePoint& point, const V3f& normal) const {
+  const Surface& surface = surfaces_[point.shape];
+  if (surface.is_mesh && surface.uvs && !surface.needs_tangents[point.side]) {
+    const V3u& index = surface.triangles[point.primitive];
+    point.uv =
+        interpolated({surface.uvs[index.x], surface.uvs[index.y], surface.uvs[index.z]}, {point.u, point.v});
+    point.uv_rate = surface.faces[point.primitive].uv_rate;
+    return;
+  }
   const Parametrization p = parametrization_at(point, normal);
   point.uv = p.uv;
+  point.uv_rate = rate_of(p);
+  if (!surface.needs_tangents[point.side]) return;
   point.dp_du = p.dp_du;
   point.dp_dv = p.dp_dv;
-  if (!surfaces_[point.shape].needs_tangents[point.side]) return;
   const V3f& n = point.shading.n;
   const V3f s = p.dp_du - n * n.dot(p.dp_du);
   if (!(s.dot(s) > 0.0f) || !is_finite(s)) return;  // seen along the tangent: any frame will do
@@ -251,19 +262,22 @@ float Scene::transmittance(const Segment& segment) const {
 
 void Scene::resolve_at(const MaterialSide& material, SurfacePoint& point, const V3f& direction, float u,
                        Bsdf& bsdf) {
-  ShadingGeometry at{.uv = point.uv,
+  TexturePoint where = point.where();
+  // (M31), along the narrow side of the beam's ellipse on the surface.
+  if (point.beam_width > 0.0f) where.footprint = point.uv_rate * point.beam_width;
+  point.terminator = 0.0f;
+  point.unperturbed_normal = point.shading.n;
+  if (material.is_single_model()) return material.resolve(where, bsdf);
+  ShadingGeometry at{.uv = where.uv,
                      .dp_du = point.dp_du,
                      .dp_dv = point.dp_dv,
                      .wo = -direction,
                      .frame = point.shading,
                      .is_back = point.side == back,
-                     .place = {point.primitive, {point.u, point.v}}};
-  // (M31), along the narrow side of the beam's ellipse on the surface.
-  if (point.beam_width > 0.0f)
-    at.footprint = {point.beam_width / point.dp_du.length(), point.beam_width / point.dp_dv.length()};
+                     .footprint = where.footprint,
+                     .place = where.place};
   material.resolve(at, u, bsdf);
   point.terminator = at.terminator;
-  point.unperturbed_normal = point.shading.n;
   point.shading = at.frame;
 }
 

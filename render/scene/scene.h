@@ -88,11 +88,12 @@ class Scene {
   [[nodiscard]] bool has_textures() const { return has_textures_; }
 
  private:
-  // What every vertex on a triangle needs and would else be computed again each time: 20 bytes a triangle.
+  // What every vertex on a triangle needs and would else be computed again each time: 28 bytes a triangle.
   struct Face {
     V3f normal;       // unit, of the front
     float offset;     // SurfacePoint::offset
     float near_edge;  // see geometry.h
+    V2f uv_rate;      // SurfacePoint::uv_rate, in the mesh's own coordinates
   };
   // What every vertex reads of the shape that it is on, in one line of the cache. Pointers are null where there
   // is nothing of the kind; arrays of an instance are in its own coordinates.

@@ -1,5 +1,7 @@
 #include "render/image/texture_image.h"
 
+#include <list>
+
 #include <gtest/gtest.h>
 
 #include "render/image/read_texture.h"
@@ -65,6 +67,33 @@ TEST(TextureImage, BytesKeepTheirCodesAndAverageLight) {
   EXPECT_EQ(patch.c10, C3f(0.0f));
   EXPECT_EQ(patch.c01, C3f(0.0f));
   EXPECT_EQ(patch.c11, C3f(1.0f));
+}
+
+// Of every format and number of channels, at the very end of the level, too. Halfs: levels made of bytes.
+TEST(TextureImage, MixesFourTexels) {
+  std::vector<float> curve;
+  for (int code = 0; code < 256; ++code) curve.push_back(srgb_decode(static_cast<float>(code) / 255.0f));
+  std::list<TextureImage> images;
+  images.emplace_back(noisy(5, 4));
+  for (const int channels : {1, 3}) {
+    TexelLevel level{10, 8, TexelFormat::byte, {}};
+    for (int i = 0; i < 80 * channels; ++i) level.bytes.push_back(static_cast<std::byte>(255.0f * noise(i)));
+    images.emplace_back(level, channels, curve);
+  }
+  const V2f at(0.3f, 0.9f);
+  for (const TextureImage& image : images)
+    for (int level = 0; level < 2; ++level) {
+      const V2i size = image.size(level);
+      for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+          const V2i columns(x, (x + 1) % size.x), rows(y, (y + 1) % size.y);
+          const auto texel = [&](int i, int j) { return image.texel(level, i, j); };
+          const C3f upper = texel(columns.x, rows.x) * (1.0f - at.x) + texel(columns.y, rows.x) * at.x,
+                    lower = texel(columns.x, rows.y) * (1.0f - at.x) + texel(columns.y, rows.y) * at.x;
+          EXPECT_EQ(image.mix(level, columns, rows, at), C3f(upper * (1.0f - at.y) + lower * at.y));
+          EXPECT_EQ(image.patch(level, columns, rows).c01, texel(columns.x, rows.y));
+        }
+    }
 }
 
 TEST(TextureImage, TellsContentsApart) {

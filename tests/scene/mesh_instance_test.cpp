@@ -51,13 +51,22 @@ Material textured() {
                                 MaterialNode{TexturedModel{grey, {{0, Texture(board)}}}})));
 }
 
-TEST(MeshInstance, IsSeenAsTheMeshInTheWorldWouldBe) {
+// The same with tangents that matter.
+Material bumpy() {
+  Material material = textured();
+  for (MaterialSide& side : material.side)
+    side = MaterialSide(std::make_shared<const MaterialNode>(
+        MaterialNode{BumpMap{.height = Texture(Checkerboard{}), .nested = side.node()}}));
+  return material;
+}
+
+void expect_the_same(const Material& material) {
   const auto mesh = std::make_shared<const Mesh>(ball(12));
   const std::vector<Placement> places{stretched(V3f(3, 1, 2)),
                                       stretched(V3f(-3, 0, 1)),
                                       {V3f(1, 0, 0), V3f(0, 1, 0), V3f(0, 0, 1), V3f(0, 5, 0)}};
   SceneDescription shared, copied;
-  shared.materials = copied.materials = {textured()};
+  shared.materials = copied.materials = {material};
   for (const Placement& place : places) {
     shared.shapes.push_back({"copy", MeshInstance{mesh, place}, 0, {C3f(0.0f), C3f(0.0f)}});
     copied.shapes.push_back({"copy", in_world(*mesh, place), 0, {C3f(0.0f), C3f(0.0f)}});
@@ -92,12 +101,19 @@ TEST(MeshInstance, IsSeenAsTheMeshInTheWorldWouldBe) {
       EXPECT_GT(pa.shading.n.dot(pb.shading.n), 0.9f);
     }
     EXPECT_LE((pa.uv - pb.uv).length(), 1e-4f);
+    EXPECT_LE((pa.uv_rate - pb.uv_rate).length(), 1e-3f * pb.uv_rate.length());
+    if (!material.side[front].traits().needs_tangents) continue;
     EXPECT_LE((pa.dp_du - pb.dp_du).length(), 1e-3f * pb.dp_du.length());
     EXPECT_LE((pa.dp_dv - pb.dp_dv).length(), 1e-3f * pb.dp_dv.length());
+    EXPECT_NEAR(pb.uv_rate.x * pb.dp_du.length(), 1.0f, 1e-5f);
+    EXPECT_NEAR(pb.uv_rate.y * pb.dp_dv.length(), 1.0f, 1e-5f);
   }
   EXPECT_LT(differ, 40);
   for (const int count : hits) EXPECT_GT(count, 1000);
 }
+
+TEST(MeshInstance, IsSeenAsTheMeshInTheWorldWouldBe) { expect_the_same(textured()); }
+TEST(MeshInstance, HasTheTangentsOfTheMeshInTheWorld) { expect_the_same(bumpy()); }
 
 // Packets answer as single rays do.
 TEST(MeshInstance, PacketsFindTheSame) {
