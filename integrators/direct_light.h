@@ -39,39 +39,51 @@ inline float agreement_of_normals(const SurfacePoint& point, const V3f& directio
 /// Who else finds the lights that next-event estimation samples.
 enum class Rival : std::uint8_t {
   scattered_ray,  ///< the path goes on: both are weighted (I3)
-  glossy_ray,     ///< the path goes on without what is reflected diffusely, of which the lights are sampled in full
+  glossy_ray,     ///< the path goes on without what is reflected diffusely, of which the lights are sampled in
+                  ///< full
   none            ///< the path ends here
 };
 
-/// The light sample of the number u at `point`, weighted against its rival; its radiance is what the
-/// surface would reflect against `direction` (world, unit), which led to it. With a `guide`, the
-/// scattered ray is drawn from it with the probability `share` (I11). REQUIRES: the scene has lights; the
-/// surface is not purely specular.
-inline Connection sample_direct_light(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf,
-                                      const V3f& direction, Rival rival, const V2f& u,
-                                      const Guide::Lobe* guide = nullptr, float share = 0.0f) {
-  const Connection nothing{{V3f(0.0f), V3f(0.0f)}, C3f(0.0f), 0};
-  const LightSample light = scene.lights().sample(receiver_at(point, bsdf), u);
-  if (!(light.pdf_w > 0.0f)) return nothing;
-  const V3f wi = point.shading.to_local(light.direction);
-  const float reached = agreement_of_normals(point, light.direction, wi.z);
-  if (reached == 0.0f) return nothing;
-  const C3f radiance = visit_model(bsdf, [&](const auto& model) {
-    // Inside, because Lambert's model does not look at it.
-    const V3f wo = point.shading.to_local(-direction);
-    if (light.is_delta || rival == Rival::none)
-      return C3f(model.eval(wo, wi) * light.radiance * (reached / light.pdf_w));
-    const BsdfValue at = evaluate(model, wo, wi);
+/// A light sample as it arrives at a surface.
+struct Incident {
+  LightSample light;
+  V3f wi;         ///< its direction in the shading frame
+  float reached;  ///< see agreement_of_normals(); 0: nothing arrives
+};
+
+/// The light sample of the number u at `point`. REQUIRES: the scene has lights; the surface is not purely
+/// specular.
+inline Incident sample_incident(const Scene& scene, const SurfacePoint& point, const Bsdf& bsdf, const V2f& u) {
+  Incident incident{scene.lights().sample(receiver_at(point, bsdf), u), V3f(0.0f), 0.0f};
+  const LightSample& light = incident.light;
+  if (!(light.pdf_w > 0.0f)) return incident;
+  incident.wi = point.shading.to_local(light.direction);
+  incident.reached = agreement_of_normals(point, light.direction, incident.wi.z);
+  return incident;
+}
+
+/// The light sample weighted against its rival; its radiance is what the surface would reflect where `at` is
+/// the model's value for it, of which the share `diffuse_share()` is reflected diffusely. With a `guide`, the
+/// scattered ray is drawn from it with the probability `share` (I11). REQUIRES: incident.reached > 0.
+template <class DiffuseShare>
+Connection connection_to(const SurfacePoint& point, const Incident& incident, const BsdfValue& at, Rival rival,
+                         const Guide::Lobe* guide, float share, const DiffuseShare& diffuse_share) {
+  const LightSample& light = incident.light;
+  const float in_full = 1.0f / light.pdf_w;
+  C3f weight(in_full);
+  if (!light.is_delta && rival != Rival::none) {
     float other = at.pdf_w;
     if (guide) other = share * guide->pdf_w(light.direction) + (1.0f - share) * other;
     // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-    const float weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
-    C3f weighted = at.value * weight;
+    const float weighted =
+        light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
+    weight = C3f(weighted);
     if (rival == Rival::glossy_ray) [[unlikely]]
-      weighted += at.value * diffuse_share(bsdf, wo, wi) * (1.0f / light.pdf_w - weight);
-    return C3f(weighted * light.radiance * reached);
-  });
-  return {{spawn_position(point, light.direction), light.position}, radiance, light.light};
+      weight += diffuse_share() * (in_full - weighted);
+  }
+  return {{spawn_position(point, light.direction), light.position},
+          at.value * weight * light.radiance * incident.reached,
+          light.light};
 }
 
 }  // namespace twopass

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "integrators/vertex.h"
+#include "materials/scattering_block.h"
 
 namespace twopass {
 
 /// The driver of a bundle of paths. An integrator is what it does at a vertex: `at_vertex(vertex)` may add
-/// radiance, and says which step comes next; `at_vertex.look_ahead(vertex)`, if there is one, is called for a block
-/// of vertices before that, to ask for what will be read there (I10). Light sampling is linear, so no path waits for its shadow ray:
-/// what the ray would carry is kept beside it, and is added or not.
+/// radiance, and says which step comes next; `at_vertex.look_ahead(vertex)`, if there is one, is called for a
+/// block of vertices before that, to ask for what will be read there (I10). Light sampling is linear, so no
+/// path waits for its shadow ray: what the ray would carry is kept beside it, and is added or not.
 class Bundle {
  public:
   /// REQUIRES: at most bundle_size samples, which outlive the bundle.
@@ -68,12 +69,12 @@ class Bundle {
       leaving_[count++] = static_cast<std::uint8_t>(k);
     }
     const auto leaving = std::span(leaving_).first(count);
-    for (const std::uint8_t k : leaving) {
-      vertices_[k].aim();
-      connect(vertices_[k], vertex_lanes_[k]);
-    }
-    for (const std::uint8_t k : leaving)
-      if (vertices_[k].goes_on() && vertices_[k].leave(rays_[live_])) lanes_[live_++] = vertex_lanes_[k];
+    for (const std::uint8_t k : leaving) vertices_[k].aim();
+    scattering_.reset(
+        leaving, [this](std::size_t k) -> const Bsdf& { return vertices_[k].bsdf(); },
+        [this](std::size_t k) { return vertices_[k].wo(); });
+    connect(leaving);
+    leave(leaving);
   }
 
   // The number of paths that have arrived at vertices where they may go on.
@@ -105,15 +106,39 @@ class Bundle {
     layers_.resize(bundle_size);
   }
 
-  void connect(const Vertex& vertex, std::uint8_t lane) {
-    if (!vertex.samples_lights()) return;
-    const Connection connection = vertex.sample_lights();
+  void connect(std::span<const std::uint8_t> leaving) {
+    for (const std::uint8_t k : leaving) {
+      incident_[k].reached = 0.0f;
+      if (vertices_[k].samples_lights()) incident_[k] = vertices_[k].sample_lights();
+      if (incident_[k].reached != 0.0f) scattering_.set_wi(k, incident_[k].wi);
+    }
+    scattering_.evaluate();
+    for (const std::uint8_t k : leaving)
+      if (incident_[k].reached != 0.0f)
+        connect(vertices_[k], vertex_lanes_[k], incident_[k],
+                scattering_.has(k) ? scattering_.value(k) : vertices_[k].evaluate(incident_[k].wi));
+  }
+  void connect(const Vertex& vertex, std::uint8_t lane, const Incident& incident, const BsdfValue& at) {
+    const Connection connection = vertex.connect(incident, at);
     if (is_black(connection.radiance)) return;
     if (samples_[lane].layers) [[unlikely]]
       layers_[connected_] = {vertex.first_scatter_of(unit(connection.segment.to - connection.segment.from)),
                              vertex.is_first(), connection.light};
     segments_[connected_] = connection.segment;
     light_[connected_++] = {connection.radiance, lane};
+  }
+
+  void leave(std::span<const std::uint8_t> leaving) {
+    for (const std::uint8_t k : leaving)
+      if (vertices_[k].follows_model()) scattering_.set_u(k, vertices_[k].u_direction());
+    scattering_.sample();
+    for (const std::uint8_t k : leaving) {
+      Vertex& vertex = vertices_[k];
+      if (!vertex.goes_on()) continue;
+      const bool is_drawn = vertex.follows_model() && scattering_.has(k);
+      if (vertex.leave(is_drawn ? scattering_.drawn(k) : vertex.scatter(), rays_[live_]))
+        lanes_[live_++] = vertex_lanes_[k];
+    }
   }
 
   void add_unoccluded() {
@@ -144,8 +169,6 @@ class Bundle {
     bool is_direct;
     std::uint32_t light;
   };
-  // Few enough to stay in the nearest cache from one stage to the next.
-  static constexpr std::size_t block_size = 32;
 
   const Scene& scene_;
   const PathLimits& limits_;
@@ -156,9 +179,12 @@ class Bundle {
   std::array<std::uint8_t, bundle_size> lanes_;
   std::array<Ray, bundle_size> rays_;
   std::array<Hit, bundle_size> hits_;
-  // By vertex of the present block; which of them their paths leave.
+  // By vertex of the present block, which is small enough to stay in the nearest cache from one stage to the
+  // next; which of them their paths leave.
   std::array<Vertex, block_size> vertices_;
   std::array<std::uint8_t, block_size> vertex_lanes_, leaving_;
+  std::array<Incident, block_size> incident_;
+  ScatteringBlock scattering_;
   // By light sample of the present vertices.
   std::size_t connected_ = 0;
   std::array<Segment, bundle_size> segments_;

@@ -173,11 +173,23 @@ class Vertex {
   }
   [[nodiscard]] bool goes_on() const { return goes_on_; }
   [[nodiscard]] bool samples_lights() const { return samples_lights_; }
-  /// The light sampled here, with what it sends along the path. REQUIRES: samples_lights().
-  [[nodiscard]] Connection sample_lights() const {
+  /// Where the path came from, in the shading frame.
+  [[nodiscard]] V3f wo() const { return point_.shading.to_local(-direction_); }
+  /// The light sampled here. REQUIRES: samples_lights().
+  [[nodiscard]] Incident sample_lights() const { return sample_incident(*scene_, point_, *bsdf_, u_light_); }
+  /// What the model says of the pair of wo() and `wi`.
+  [[nodiscard]] BsdfValue evaluate(const V3f& wi) const {
+    return visit_model(*bsdf_, [&](const auto& model) {
+      // Inside, because Lambert's model does not look at where the path came from.
+      return twopass::evaluate(model, wo(), wi);
+    });
+  }
+  /// The light sample with what it sends along the path. `at`: evaluate(incident.wi).
+  /// REQUIRES: incident.reached > 0.
+  [[nodiscard]] Connection connect(const Incident& incident, const BsdfValue& at) const {
     Connection connection =
-        sample_direct_light(*scene_, point_, *bsdf_, direction_, rival(), u_light_,
-                            share_ > 0.0f ? &guide_ : nullptr, share_);
+        connection_to(point_, incident, at, rival(), share_ > 0.0f ? &guide_ : nullptr, share_,
+                      [&] { return diffuse_share(*bsdf_, wo(), incident.wi); });
     if (caustics_ == Caustics::passed && connection.light < scene_->shapes().size())
       connection.radiance *= carried_->uncharted;
     connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
@@ -196,10 +208,17 @@ class Vertex {
   /// Whether light that arrives here straight from a light is direct light of the picture.
   [[nodiscard]] bool is_first() const { return edges_ == 1; }
 
+  /// Whether the next direction is the model's alone: sample(bsdf(), wo(), u_direction()).
+  [[nodiscard]] bool follows_model() const { return goes_on_ && !(share_ > 0.0f); }
+  [[nodiscard]] const V2f& u_direction() const { return u_direction_; }
+  /// Draws the next direction. REQUIRES: aim().
+  [[nodiscard]] std::optional<BsdfSample> scatter() const {
+    if (share_ > 0.0f)
+      return GuidedDirections(*bsdf_, wo(), point_.shading, guide_, share_).sample(u_direction_, guide_row_);
+    return visit_model(*bsdf_, [this](const auto& model) { return model.sample(wo(), u_direction_); });
+  }
   /// Takes the next direction, and plays Russian roulette when the path is long (I4). False: the path ends.
-  /// REQUIRES: aim().
-  bool leave(Ray& next) {
-    const std::optional<BsdfSample> drawn = scatter();
+  bool leave(const std::optional<BsdfSample>& drawn, Ray& next) {
     if (!drawn) return false;
     const V3f direction = point_.shading.to_world(drawn->wi);
     const float reached = agreement_of_normals(point_, direction, drawn->wi.z);
@@ -348,16 +367,6 @@ class Vertex {
     if (sample_->sampler.next_1d() >= probability) return false;
     carried_->throughput *= 1.0f / probability;
     return true;
-  }
-
-  [[nodiscard]] std::optional<BsdfSample> scatter() const {
-    if (share_ > 0.0f)
-      return GuidedDirections(*bsdf_, point_.shading.to_local(-direction_), point_.shading, guide_, share_)
-          .sample(u_direction_, guide_row_);
-    return visit_model(*bsdf_, [this](const auto& model) {
-      // Inside, because Lambert's model does not look at where the path came from.
-      return model.sample(point_.shading.to_local(-direction_), u_direction_);
-    });
   }
 
   enum class Caustics : std::uint8_t { unknown, known, passed };

@@ -2,18 +2,6 @@
 
 namespace twopass {
 
-float fresnel_dielectric(float cos_i, float eta, float& cos_t) {
-  const float sin2_t = std::max(0.0f, 1.0f - cos_i * cos_i) / (eta * eta);
-  if (sin2_t >= 1.0f) {
-    cos_t = 0.0f;
-    return 1.0f;
-  }
-  cos_t = std::sqrt(1.0f - sin2_t);
-  const float s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-  const float p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-  return 0.5f * (s * s + p * p);
-}
-
 namespace {
 // From where on the fit of light from inside gives way to reciprocity: (1 - R_int) eta^2 = 1 - R_ext.
 constexpr float most_of_fit = 2.0f;

@@ -8,7 +8,13 @@ namespace twopass {
 /// Unpolarised reflectance in [0, 1] of an interface to a dielectric (M2). `eta` is the index of refraction
 /// behind the interface over the one in front; `cos_i` in [0, 1]. 1 beyond the critical angle. `cos_t` receives
 /// the cosine of the refracted direction (0 under total reflection).
-float fresnel_dielectric(float cos_i, float eta, float& cos_t);
+inline float fresnel_dielectric(float cos_i, float eta, float& cos_t) {
+  const float sin2_t = std::max(0.0f, 1.0f - cos_i * cos_i) / (eta * eta);
+  cos_t = std::sqrt(std::max(0.0f, 1.0f - sin2_t));
+  const float s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+  const float p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+  return sin2_t >= 1.0f ? 1.0f : 0.5f * (s * s + p * p);
+}
 
 /// The reflectance of such an interface for diffuse light, the mean over the cosine: within 0.2 % for eta above
 /// 1 (d'Eon and Irving 2011), within 0.1 % from 1 / 1.5 to 1 and 0.6 % from 1 / 2 on (Egan and Hilgeman 1973);

@@ -50,60 +50,30 @@ float sample_beckmann_slope(float cosine, float sine, float u) {
   return slope;
 }
 
-V3f sample_beckmann(const V3f& stretched, const V2f& u) {
-  const float sine = std::sqrt(stretched.x * stretched.x + stretched.y * stretched.y);
-  const float x = sample_beckmann_slope(stretched.z, sine, u.x), y = erf_inverse(2.0f * u.y - 1.0f);
-  const float c = sine > 0.0f ? stretched.x / sine : 1.0f, s = sine > 0.0f ? stretched.y / sine : 0.0f;
-  return {s * y - c * x, -s * x - c * y, 1.0f};
-}
-
-// The facets of a half ball that a parallel beam meets are its mirror images in a uniform spherical cap.
-V3f sample_ggx(const V3f& stretched, const V2f& u) {
-  const float above = (1.0f - u.x) * (1.0f + stretched.z);  // z of the cap's point plus that of the beam
-  const float z = above - stretched.z;
-  const V2f around = circle(u.y) * std::sqrt(std::max(0.0f, 1.0f - z * z));
-  return {around.x + stretched.x, around.y + stretched.y, above};
-}
-
 }  // namespace
 
-float MicrofacetDistribution::density(const V3f& m) const {
-  if (!(m.z > 0.0f)) return 0.0f;
-  const float x = m.x / alpha_u_, y = m.y / alpha_v_, z2 = m.z * m.z;
-  const float area = pi_f * alpha_u_ * alpha_v_;
-  float d;
-  if (type_ == Microfacet::beckmann) {
-    d = std::exp(-(x * x + y * y) / z2) / (area * z2 * z2);
-  } else {
-    const float length2 = x * x + y * y + z2;
-    d = 1.0f / (area * length2 * length2);
-  }
-  // Below, products of it would lose their digits.
-  return d * m.z > 1e-20f ? d : 0.0f;
+float beckmann::density(float x, float y, float z2, float area) {
+  return std::exp(-(x * x + y * y) / z2) / (area * z2 * z2);
 }
 
-float MicrofacetDistribution::masking(const V3f& v, const V3f& m) const {
-  if (!(v.dot(m) * v.z > 0.0f)) return 0.0f;
-  const float tan2 = stretched_tan2(v);
-  if (type_ == Microfacet::ggx) return 2.0f / (1.0f + std::sqrt(1.0f + tan2));
+float beckmann::masking(float tan2) {
   if (tan2 <= 1.0f / (1.6f * 1.6f)) return 1.0f;
   // Within 0.35 % of the exact value (Walter et al. 2007, section 5.2); kept because others render with it.
   const float a = 1.0f / std::sqrt(tan2);
   return a * (3.535f + 2.181f * a) / (1.0f + a * (2.276f + 2.577f * a));
 }
 
-float MicrofacetDistribution::seen_per_area(const V3f& wo) const {
-  const float tan2 = stretched_tan2(wo);
-  if (type_ == Microfacet::ggx) return 2.0f / ((1.0f + std::sqrt(1.0f + tan2)) * wo.z);
+float beckmann::seen(float tan2) {
   const float a = 1.0f / std::sqrt(tan2);
-  if (!(a < 4.0f)) return 1.0f / wo.z;  // the rest is below 1e-9
-  return 2.0f * a / ((a * (1.0f + std::erf(a)) + inverse_sqrt_pi * std::exp(-a * a)) * wo.z);
+  if (!(a < 4.0f)) return 1.0f;  // the rest is below 1e-9
+  return 2.0f * a / (a * (1.0f + std::erf(a)) + inverse_sqrt_pi * std::exp(-a * a));
 }
 
-V3f MicrofacetDistribution::sample(const V3f& wo, const V2f& u) const {
-  const V3f stretched = unit(V3f(alpha_u_ * wo.x, alpha_v_ * wo.y, wo.z));
-  const V3f facet = type_ == Microfacet::beckmann ? sample_beckmann(stretched, u) : sample_ggx(stretched, u);
-  return unit(V3f(alpha_u_ * facet.x, alpha_v_ * facet.y, facet.z));
+V3f beckmann::sample(const V3f& stretched, const V2f& u) {
+  const float sine = std::sqrt(stretched.x * stretched.x + stretched.y * stretched.y);
+  const float x = sample_beckmann_slope(stretched.z, sine, u.x), y = erf_inverse(2.0f * u.y - 1.0f);
+  const float c = sine > 0.0f ? stretched.x / sine : 1.0f, s = sine > 0.0f ? stretched.y / sine : 0.0f;
+  return {s * y - c * x, -s * x - c * y, 1.0f};
 }
 
 }  // namespace twopass
