@@ -112,6 +112,7 @@ struct Key {
 std::uint32_t facing_of(const V3f& n) {
   const int axis = nearest_axis(n);
   const float length = std::abs(n[axis]);
+  if (!(length > 0.0f)) return 0;  // without area there is no normal
   const auto third = [&](float x) {
     return static_cast<std::uint32_t>(std::clamp((x / length + 1.0f) * 1.5f, 0.0f, 2.0f));
   };

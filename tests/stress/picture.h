@@ -11,6 +11,15 @@
 
 namespace twopass::stress {
 
+/// How many times as long as usual a picture may take, CPU time: sanitizers slow down everything.
+#if defined(__SANITIZE_THREAD__)
+inline constexpr double patience = 40.0;
+#elif defined(__SANITIZE_ADDRESS__)
+inline constexpr double patience = 10.0;
+#else
+inline constexpr double patience = 1.0;
+#endif
+
 /// How light is computed: an integrator, and for those that read a solution, how that is found.
 struct Way {
   IntegratorKind integrator = IntegratorKind::path;
