@@ -122,12 +122,18 @@ bool Agreement::holds() const { return fault.empty() && std::abs(difference) <= 
 Agreement compare_integrators(std::uint32_t seed) {
   const SceneDescription scene = random_scene(seed);
   Agreement result;
-  for (const int rounds : {1, 32}) {
+  struct Try {
+    int samples;
+    std::size_t elements;
+    std::uint32_t rays_per_element;
+  };
+  for (const Try& attempt : {Try{16, 400, 128}, Try{512, 3000, 1024}, Try{512, 30000, 512}}) {
+    ++result.tries;
     PictureOptions options;
-    options.seed = seed + static_cast<std::uint32_t>(rounds);
-    options.samples = 16 * rounds;
-    options.elements = rounds == 1 ? 400 : 3000;
-    options.rays_per_element = rounds == 1 ? 128 : 1024;
+    options.seed = seed + static_cast<std::uint32_t>(attempt.samples / 16);
+    options.samples = attempt.samples;
+    options.elements = attempt.elements;
+    options.rays_per_element = attempt.rays_per_element;
     result.path = render(scene, {IntegratorKind::path}, options);
     result.two_pass = render(scene, {IntegratorKind::two_pass}, options);
     result.fault = fault_of(result.path);

@@ -17,15 +17,17 @@ struct Agreement {
   double difference = 0.0;  ///< of the means, over that of `path`; 0 where both are black
   double noise = 0.0;       ///< its standard error
   std::string fault;        ///< of either picture; empty: none
+  int tries = 0;            ///< until it held, at most 3
   [[nodiscard]] bool holds() const;
   /// What a solution of few elements may be off by.
   static constexpr double bias = 0.06;
-  /// Radiance that a darker picture counts as. Lamps have 1 to 10: elements that reach through a wall into a dark room
-  /// carry up to 1e-5 of the light beyond.
+  /// Radiance that a darker picture counts as. Lamps have 1 to 10, skies up to 2: elements that reach through a
+  /// wall into a dark room carry up to 1e-4 of the light beyond, in proportion to their size.
   static constexpr double darkest = 1e-3;
 };
-/// Renders both. What does not hold at few samples is tried again with many and more elements: rare bright
-/// paths are no disagreement.
+/// Renders both. What does not hold at few samples is tried again with many and more elements, since rare
+/// bright paths are no disagreement, and then with ten times as many elements: what vanishes with their size is
+/// none.
 Agreement compare_integrators(std::uint32_t seed);
 
 }  // namespace twopass::stress
