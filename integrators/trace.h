@@ -106,19 +106,29 @@ class Bundle {
     layers_.resize(bundle_size);
   }
 
+  // Vertices whose models have lanes wait for the others.
   void connect(std::span<const std::uint8_t> leaving) {
+    std::size_t waiting = 0;
     for (const std::uint8_t k : leaving) {
-      incident_[k].reached = 0.0f;
-      if (vertices_[k].samples_lights()) incident_[k] = vertices_[k].sample_lights();
-      if (incident_[k].reached != 0.0f) scattering_.set_wi(k, incident_[k].wi);
+      if (!vertices_[k].samples_lights()) continue;
+      const Incident incident = vertices_[k].sample_lights();
+      if (incident.reached == 0.0f) continue;
+      if (scattering_.has(k)) {
+        scattering_.set_wi(k, incident.wi);
+        incident_[k] = incident;
+        waiting_[waiting++] = k;
+      } else {
+        connect(k, incident, vertices_[k].evaluate(incident.wi));
+      }
     }
+    if (waiting == 0) return;
     scattering_.evaluate();
-    for (const std::uint8_t k : leaving)
-      if (incident_[k].reached != 0.0f)
-        connect(vertices_[k], vertex_lanes_[k], incident_[k],
-                scattering_.has(k) ? scattering_.value(k) : vertices_[k].evaluate(incident_[k].wi));
+    for (const std::uint8_t k : std::span(waiting_).first(waiting))
+      connect(k, incident_[k], scattering_.value(k));
   }
-  void connect(const Vertex& vertex, std::uint8_t lane, const Incident& incident, const BsdfValue& at) {
+  void connect(std::uint8_t k, const Incident& incident, const BsdfValue& at) {
+    const Vertex& vertex = vertices_[k];
+    const std::uint8_t lane = vertex_lanes_[k];
     const Connection connection = vertex.connect(incident, at);
     if (is_black(connection.radiance)) return;
     if (samples_[lane].layers) [[unlikely]]
@@ -129,9 +139,11 @@ class Bundle {
   }
 
   void leave(std::span<const std::uint8_t> leaving) {
-    for (const std::uint8_t k : leaving)
-      if (vertices_[k].follows_model()) scattering_.set_u(k, vertices_[k].u_direction());
-    scattering_.sample();
+    if (!scattering_.empty()) {
+      for (const std::uint8_t k : leaving)
+        if (vertices_[k].follows_model()) scattering_.set_u(k, vertices_[k].u_direction());
+      scattering_.sample();
+    }
     for (const std::uint8_t k : leaving) {
       Vertex& vertex = vertices_[k];
       if (!vertex.goes_on()) continue;
@@ -182,7 +194,7 @@ class Bundle {
   // By vertex of the present block, which is small enough to stay in the nearest cache from one stage to the
   // next; which of them their paths leave.
   std::array<Vertex, block_size> vertices_;
-  std::array<std::uint8_t, block_size> vertex_lanes_, leaving_;
+  std::array<std::uint8_t, block_size> vertex_lanes_, leaving_, waiting_;
   std::array<Incident, block_size> incident_;
   ScatteringBlock scattering_;
   // By light sample of the present vertices.

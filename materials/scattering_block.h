@@ -21,9 +21,10 @@ class ScatteringBlock {
       lane_[k] = has_lanes ? count_++ : none;
       if (has_lanes) put(lane_[k], *plastic, wo(k));
     }
-    prepare();
+    if (!empty()) prepare();
   }
   [[nodiscard]] bool has(std::size_t k) const { return lane_[k] != none; }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
 
   /// Sets the other direction, for evaluate(), or the random numbers, for sample(). Without effect where
   /// !has(k).
