@@ -45,15 +45,6 @@ std::vector<bool> seen_elements(const PassOneJob& job, const Solution& solution)
   return seen;
 }
 
-// Small pictures show less of a caustic, and are rendered in less time.
-CausticParticlesOptions particles_options(const RadiosityOptions& radiosity) {
-  constexpr std::size_t particles_of_a_pixel = 16, least = std::size_t{1} << 17;
-  CausticParticlesOptions options{.seed = radiosity.seed};
-  if (radiosity.gathered_pixels > 0)
-    options.particles = std::clamp(particles_of_a_pixel * radiosity.gathered_pixels, least, options.particles);
-  return options;
-}
-
 // Gathering is guided where indirect light is not looked up. Larger cells than for paths, of which only the first
 // direction is gathered.
 GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, const std::vector<bool>& seen) {
@@ -96,7 +87,7 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   if (!job.plan.radiosity_pass) return done;
   Stopwatch stopwatch;
   if (!job.solved || job.plan.caustic_map) {
-    const CausticParticles particles(job.scene, particles_options(job.radiosity));
+    const CausticParticles particles(job.scene, {.seed = job.radiosity.seed});
     if (job.plan.caustic_map) done.caustics = std::make_unique<const CausticMap>(job.scene, particles);
     done.caustics_time = stopwatch.elapsed();
     stopwatch = Stopwatch();

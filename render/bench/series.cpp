@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "integrators/clamp.h"
 #include "render/core/interrupt.h"
 #include "render/image/compare.h"
 #include "render/pass_one.h"
@@ -135,11 +136,16 @@ BenchSeries measure_series(const BenchSubject& subject, IntegratorKind kind, con
     RadiosityOptions radiosity;
     radiosity.seed = seed;
     const PixelWindow window{{0, 0}, {subject.width, subject.height}};
-    const PreparedPassOne prepared = prepare_pass_one(
-        {.scene = subject.scene,
-         .plan = plan,
-         .integrator = kind,
-         .radiosity = radiosity_options(kind, subject.limits, subject.camera, window, radiosity)});
+    PassOneJob job{.scene = subject.scene,
+                   .plan = plan,
+                   .integrator = kind,
+                   .radiosity = radiosity_options(kind, subject.limits, subject.camera, window, radiosity)};
+    // As in a render of which the number of samples is not known.
+    const bool is_judged = plan.radiosity_pass && kind == IntegratorKind::two_pass && !is_clamped(subject.limits);
+    const PreparedPassOne prepared =
+        is_judged ? prepare_within_bias(std::move(job), subject.camera, window, subject.limits,
+                                        bias_goal({}, window, 1), [](const std::string&) {})
+                  : prepare_pass_one(std::move(job));
     const auto integrator = make_integrator(kind, subject.scene, prepared.view(), subject.limits);
     time += part.elapsed();
     const Elapsed pass_one = prepared.time();

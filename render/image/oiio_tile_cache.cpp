@@ -1,7 +1,9 @@
 // The module's half that reads pictures tile by tile through OpenImageIO's cache.
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -153,7 +155,11 @@ void open_tiles(const char* path, const TwopassTexelConverter* converter, Twopas
     picture.tile_heights[i] = spec->tile_height;
   }
   const ImageSpec* finest = cache().imagespec(handle, nullptr, 0, 0);
-  picture.image = new CachedImage{handle, finest->x, finest->y};
+  // For as long as the cache, which keeps its handles until the program ends.
+  static std::mutex mutex;
+  static std::deque<CachedImage> images;
+  const std::lock_guard lock(mutex);
+  picture.image = &images.emplace_back(CachedImage{handle, finest->x, finest->y});
 }
 
 }  // namespace
