@@ -7,8 +7,9 @@ namespace twopass {
 
 namespace {
 
-// Cells with fewer particles are not divided: their disks have two to five times as many.
-constexpr std::size_t least_particles = 128;
+// Disks are as large as the smallest cells with so many particles, and have two to five times as many. Of such that
+// carry unequal power, those that carry little count for less.
+constexpr double least_particles = 64.0;
 // The largest and the smallest disks, as powers of two of the scene's largest edge.
 constexpr int coarsest = 5, finest = 12;
 
@@ -55,17 +56,30 @@ class CausticMap::Builder {
  private:
   using Found = std::vector<const CausticParticle*>;
 
-  // (R49): the particles of a cell of the given depth, of which the smallest cells with enough of them tell the
-  // radius.
+  // The number of particles of equal power of which the sum would be as noisy.
+  static double effective_number(const Found& found,
+                                 std::span<const std::pair<std::uint64_t, std::uint32_t>> cell) {
+    double sum = 0.0, squares = 0.0;
+    for (const auto& [code, particle] : cell) {
+      const auto power = static_cast<double>(mean_component(found[particle]->power));
+      sum += power;
+      squares += power * power;
+    }
+    return squares > 0.0 ? sum * sum / squares : 0.0;
+  }
+
+  // (R49): the particles of a cell with enough of them, of the depth above the given one: those of its parts with
+  // enough have smaller disks, the others its own, for a single particle among few would show.
   void descend(const Found& found, std::span<const std::pair<std::uint64_t, std::uint32_t>> cell, int depth) {
     for (std::size_t begin = 0; begin < cell.size();) {
       std::size_t end = begin;
       const int shift = 3 * (finest - depth - 1);
       while (end < cell.size() && (depth == finest || cell[end].first >> shift == cell[begin].first >> shift)) ++end;
-      if (depth < finest && (depth < coarsest || end - begin >= least_particles)) {
+      if (depth < finest &&
+          (depth < coarsest || effective_number(found, cell.subspan(begin, end - begin)) >= least_particles)) {
         descend(found, cell.subspan(begin, end - begin), depth + 1);
       } else {
-        const int level = std::clamp(depth, coarsest, finest) - coarsest;
+        const int level = std::clamp(depth - 1, coarsest, finest) - coarsest;
         for (std::size_t i = begin; i < end; ++i) {
           const CausticParticle& own = *found[cell[i].second];
           map_.levels_[static_cast<std::size_t>(level)].particle.push_back(
