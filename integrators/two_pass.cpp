@@ -53,7 +53,7 @@ IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
   IndirectField::LookUp found = field_->at(vertex.place());
   // How much of it coats let through depends on where light comes from: lamps are sampled there (radiosity, R50).
   if (found.known == Known::all && !std::holds_alternative<Diffuse>(vertex.bsdf()))
-    found = {Known::indirect, found.irradiance - field_->direct_at(point)};
+    found = {Known::indirect, found.irradiance - field_->direct_at(vertex.place())};
   return found;
 }
 
@@ -98,7 +98,7 @@ Step TwoPass::at(Vertex& vertex) const {
   const IndirectField::LookUp found = look_up(vertex);
   if (found.known >= Known::indirect) {
     const bool has_direct = found.known == Known::all && vertex.has_layers();
-    const C3f direct = has_direct ? field_->direct_at(vertex.point()) : C3f(0.0f);
+    const C3f direct = has_direct ? field_->direct_at(vertex.place()) : C3f(0.0f);
     vertex.add(vertex.diffuse_albedo() * found.irradiance * (1.0f / pi_f), {direct, found.irradiance - direct},
                LookUp::field);
   }

@@ -7,8 +7,8 @@ namespace twopass {
 
 namespace {
 
-// Disks are as large as the smallest cells with so many particles, and have two to five times as many. Of such that
-// carry unequal power, those that carry little count for less.
+// Disks reach as far as the smallest cells with so many particles: on a plane they have about three times as many.
+// Of such that carry unequal power, those that carry little count for less.
 constexpr double least_particles = 64.0;
 // The largest and the smallest disks, as powers of two of the scene's largest edge.
 constexpr int coarsest = 5, finest = 12;

@@ -397,8 +397,7 @@ IndirectField::IndirectField(const Scene& scene, const Solution& solution, const
       share_[static_cast<std::size_t>(k)] += mesh_->area(f) / area;
 }
 
-C3f IndirectField::direct_at(const SurfacePoint& point) const {
-  const ElementMesh::Location location = mesh_->locate(point);
+C3f IndirectField::direct_at(const ElementMesh::Location& location) const {
   return location.element < direct_.size() ? interpolated(direct_[location.element], location) : C3f(0.0f);
 }
 

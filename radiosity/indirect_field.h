@@ -65,8 +65,8 @@ class IndirectField {
     __builtin_prefetch(&value_[element]);
   }
 
-  /// The light of lamps in what at() finds, W/m2.
-  [[nodiscard]] C3f direct_at(const SurfacePoint& point) const;
+  /// The light of lamps in what at() finds there, W/m2.
+  [[nodiscard]] C3f direct_at(const ElementMesh::Location& location) const;
   /// What diffuse surfaces send where it cannot be trusted, too; 0 where there is none. REQUIRES: built without
   /// direct light.
   [[nodiscard]] C3f indirect_at_any(const SurfacePoint& point) const;

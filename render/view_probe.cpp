@@ -90,7 +90,8 @@ std::vector<PathSample> samples_in(const Camera& camera, const PixelWindow& wind
 }
 
 // What solving takes of a scene that has more triangles than a picture needs elements, in rays of the picture:
-// 940 an element in Bitterli's staircase, 470 in McGuire's conference room. Others take tenths of a second.
+// in Bitterli's staircase all of pass one took 7.6 CPU seconds for 17,731 elements, nearly 1000 rays of that picture
+// for each. Others take tenths of a second.
 double rays_of_pass_one(const Scene& scene, std::size_t pixels) {
   constexpr std::size_t many = 8192;
   constexpr double rays_of_an_element = 500.0;
