@@ -203,10 +203,11 @@ class Gathering {
     C3d found(0.0);
     SpecularPath path(scene_, ray, landing.point, Carried::radiance, sampler);
     leaves_out = leaves_out && landing.kind == Landing::on_specular;
-    while (path.next()) {
+    while (leaves_out ? path.next() : path.next_with_lamps()) {
       const SpecularPathEnd& end = path.end();
-      const C3f lamp =
-          end.escaped ? scene_.environment().radiance(end.direction) : scene_.emitted_radiance(end.point);
+      const C3f lamp = (end.escaped ? scene_.environment().radiance(end.direction)
+                                    : scene_.emitted_radiance(end.point)) *
+                       end.lamp_weight;
       const C3d of_lamp = std::exchange(leaves_out, false) && !end.escaped ? C3d(0.0) : C3d(end.weight * lamp) * pi;
       caustic += of_lamp;
       found += of_lamp;
@@ -215,7 +216,7 @@ class Gathering {
         found += C3d(end.weight) * radiosity_[element];
     }
     rays += path.rays();
-    return found;
+    return found + C3d(path.sampled()) * pi;
   }
 
   const Scene& scene_;
