@@ -14,32 +14,24 @@ struct Connection {
   std::uint32_t light;  ///< its number
 };
 
-/// Who else finds the lights that next-event estimation samples.
-enum class Rival : std::uint8_t {
-  scattered_ray,  ///< the path goes on: both are weighted (I3)
-  glossy_ray,     ///< the path goes on without what is reflected diffusely, of which the lights are sampled in
-                  ///< full
-  none            ///< the path ends here
-};
+/// What a surface sends on of a light sample if that is not weighted: of light that nothing else finds. `value`:
+/// the model's for it.
+inline C3f in_full(const Incident& incident, const C3f& value) {
+  return value * incident.light.radiance * (incident.reached / incident.light.pdf_w);
+}
 
-/// The light sample weighted against its rival; its radiance is what the surface would reflect where `at` is
-/// the model's value for it, of which the share `diffuse_share()` is reflected diffusely. With a `guide`, the
-/// scattered ray is drawn from it with the probability `share` (I11). REQUIRES: incident.reached > 0.
-template <class DiffuseShare>
-Connection connection_to(const SurfacePoint& point, const Incident& incident, const BsdfValue& at, Rival rival,
-                         const Guide::Lobe* guide, float share, const DiffuseShare& diffuse_share) {
+/// The light sample as the surface would reflect it where `at` is the model's value for it: in full if the path
+/// ends there, else weighted against the scattered ray, which is drawn from a `guide`, if there is one, with the
+/// probability `share` (I11). REQUIRES: incident.reached > 0.
+inline Connection connection_to(const SurfacePoint& point, const Incident& incident, const BsdfValue& at,
+                                bool goes_on, const Guide::Lobe* guide, float share) {
   const LightSample& light = incident.light;
-  const float in_full = 1.0f / light.pdf_w;
-  C3f weight(in_full);
-  if (!light.is_delta && rival != Rival::none) {
+  float weight = 1.0f / light.pdf_w;
+  if (!light.is_delta && goes_on) {
     float other = at.pdf_w;
     if (guide) other = share * guide->pdf_w(light.direction) + (1.0f - share) * other;
     // The power heuristic (I3) over the density, in one division: p_l / (p_l^2 + p_b^2).
-    const float weighted =
-        light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
-    weight = C3f(weighted);
-    if (rival == Rival::glossy_ray) [[unlikely]]
-      weight += diffuse_share() * (in_full - weighted);
+    weight = light.pdf_w < 1e18f ? light.pdf_w / (light.pdf_w * light.pdf_w + other * other) : 0.0f;
   }
   return {{spawn_position(point, light.direction), light.position},
           at.value * weight * light.radiance * incident.reached,

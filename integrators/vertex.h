@@ -187,14 +187,12 @@ class Vertex {
   /// The light sample with what it sends along the path. `at`: evaluate(incident.wi).
   /// REQUIRES: incident.reached > 0.
   [[nodiscard]] Connection connect(const Incident& incident, const BsdfValue& at) const {
-    Connection connection =
-        connection_to(point_, incident, at, rival(), share_ > 0.0f ? &guide_ : nullptr, share_,
-                      [&] { return diffuse_share(*bsdf_, wo(), incident.wi); });
+    Connection connection = connection_to(point_, incident, at, goes_on_, share_ > 0.0f ? &guide_ : nullptr,
+                                          share_);
+    if (whole_) connection.radiance += in_full(incident, eval_diffuse(*whole_, wo(), incident.wi));
     if (caustics_ == Caustics::passed && connection.light < scene_->shapes().size())
       connection.radiance *= carried_->uncharted;
     connection.radiance = clamped(connection.radiance * carried_->throughput, edges_ + 1, *limits_);
-    if (diffuse_ == Diffusing::known && !is_black(connection.radiance))
-      connection.radiance *= glossy_share(unit(connection.segment.to - connection.segment.from));
     return connection;
   }
 
@@ -203,7 +201,7 @@ class Vertex {
   [[nodiscard]] FirstScatter first_scatter_of(const V3f& direction) const {
     if (edges_ > 1) return sample_->layers->scatter;
     const V3f wi = point_.shading.to_local(direction);
-    return {diffuse_share(*bsdf_, point_.shading.to_local(-direction_), wi), wi.z < 0.0f};
+    return {diffuse_share(whole_ ? *whole_ : *bsdf_, wo(), wi), wi.z < 0.0f};
   }
   /// Whether light that arrives here straight from a light is direct light of the picture.
   [[nodiscard]] bool is_first() const { return edges_ == 1; }
@@ -228,15 +226,10 @@ class Vertex {
           drawn->is_specular ? FirstScatter{C3f(0.0f), drawn->wi.z < 0.0f} : first_scatter_of(direction);
     Carried& carried = *carried_;
     carried.throughput *= drawn->weight * reached;
-    const bool is_glossy = diffuse_ != Diffusing::unknown && !drawn->is_specular;
-    if (is_glossy) {
-      const C3f share = glossy_share(direction);
-      if (!survives(survival_probability(max_component(drawn->weight * share) * reached))) return false;
-      carried.throughput *= share;
-    }
+    if (lacks_diffuse_ && !survives(survival_probability(max_component(drawn->weight) * reached))) return false;
     if (caustics_ == Caustics::known) {
       carried.over_specular = false;
-      carried.uncharted = drawn->is_specular || is_glossy ? C3f(1.0f) : glossy_share(direction);
+      carried.uncharted = drawn->is_specular || lacks_diffuse_ ? C3f(1.0f) : glossy_share(direction);
     }
     carried.over_specular = carried.over_specular || caustics_ == Caustics::passed;
     carried.relative_ior *= drawn->eta;
@@ -270,18 +263,25 @@ class Vertex {
     return survival_probability(max_component(carried_->throughput) * ior * ior);
   }
   /// What the surface reflects diffusely along the path of light that comes evenly from all around, over that
-  /// light's radiance: an estimate, exact for Lambert's model. REQUIRES: not purely specular.
+  /// light's radiance: an estimate where there is no closed form. REQUIRES: not purely specular.
   [[nodiscard]] C3f diffuse_albedo() {
-    if (const auto* diffuse = std::get_if<Diffuse>(bsdf_)) return diffuse->reflectance;
+    if (const auto albedo = twopass::diffuse_albedo(*bsdf_, wo())) return *albedo;
     const V3f wi = square_to_cosine_hemisphere(sample_->sampler.next_2d());
     const float pdf_w = cosine_hemisphere_pdf_w(wi.z);
     if (!(pdf_w > 0.0f)) return C3f(0.0f);
-    return eval_diffuse(*bsdf_, point_.shading.to_local(-direction_), wi) * (1.0f / pdf_w);
+    return eval_diffuse(*bsdf_, wo(), wi) * (1.0f / pdf_w);
   }
   /// What diffuse reflection sends along the path has been added, of all light or of all but what lamps send
-  /// here: the path goes on with the rest. Few rays go where little is left (I4).
-  void leave_out_diffuse() { diffuse_ = Diffusing::known; }
-  void leave_out_indirect_diffuse() { diffuse_ = Diffusing::but_for_direct; }
+  /// here: the path goes on by the other lobes alone. Few rays go where little is left (I4).
+  void leave_out_diffuse() {
+    rest_ = without_diffuse(*bsdf_);
+    bsdf_ = &rest_;
+    lacks_diffuse_ = true;
+  }
+  void leave_out_indirect_diffuse() {
+    whole_ = bsdf_;
+    leave_out_diffuse();
+  }
 
   /// Scales what the path will add from here on; the integrator has played roulette, leave() will not.
   void settle(float scale) {
@@ -358,11 +358,6 @@ class Vertex {
            diffuse_share(*bsdf_, point_.shading.to_local(-direction_), point_.shading.to_local(direction));
   }
 
-  [[nodiscard]] Rival rival() const {
-    if (!goes_on_) return Rival::none;
-    return diffuse_ == Diffusing::but_for_direct ? Rival::glossy_ray : Rival::scattered_ray;
-  }
-
   bool survives(float probability) {
     if (sample_->sampler.next_1d() >= probability) return false;
     carried_->throughput *= 1.0f / probability;
@@ -370,8 +365,6 @@ class Vertex {
   }
 
   enum class Caustics : std::uint8_t { unknown, known, passed };
-  // What has been added of what the surface reflects diffusely.
-  enum class Diffusing : std::uint8_t { unknown, but_for_direct, known };
 
   const Scene* scene_;
   const PathLimits* limits_;
@@ -380,9 +373,8 @@ class Vertex {
   V3f direction_;  // of the edge that led here
   int edges_;
   float distance_;
-  bool samples_lights_, goes_on_, has_settled_ = false, has_direct_ = false;
+  bool samples_lights_, goes_on_, has_settled_ = false, has_direct_ = false, lacks_diffuse_ = false;
   Caustics caustics_ = Caustics::unknown;
-  Diffusing diffuse_ = Diffusing::unknown;
   float share_ = 0.0f;  // of the guide
   Guide::Lobe guide_;
   int guide_row_ = 0;
@@ -391,6 +383,8 @@ class Vertex {
   SurfacePoint point_;
   Bsdf resolved_;  // the model, where it varies over the surface; before bsdf_, which may point to it
   const Bsdf* bsdf_;
+  const Bsdf* whole_ = nullptr;  // where bsdf_ has no diffuse lobes, the model that says how lamps are reflected
+  Bsdf rest_;                    // without diffuse lobes
 };
 
 }  // namespace twopass

@@ -18,6 +18,7 @@ struct Diffuse {
     if (wi.z <= 0.0f || is_black(reflectance)) return std::nullopt;
     return BsdfSample{wi, reflectance, cosine_hemisphere_pdf_w(wi.z), 1.0f, false};
   }
+  [[nodiscard]] C3f diffuse_albedo(const V3f&) const { return reflectance; }
   [[nodiscard]] C3f diffuse_reflectance() const { return reflectance; }
   [[nodiscard]] bool is_specular() const { return false; }
   template <class Self, class Visit>

@@ -27,6 +27,28 @@ inline C3f diffuse_share(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
   return share;
 }
 
+/// What the diffuse lobes of reflection send towards wo of light that comes evenly from all around, over that
+/// light's radiance: their albedo as seen from there. Nothing where there is no closed form.
+inline std::optional<C3f> diffuse_albedo(const Bsdf& bsdf, const V3f& wo) {
+  return visit_model(bsdf, [&](const auto& model) -> std::optional<C3f> {
+    if constexpr (requires { model.diffuse_albedo(wo); })
+      return model.diffuse_albedo(wo);
+    else
+      return std::nullopt;
+  });
+}
+
+/// The model without its diffuse lobes of reflection, which draws from the others alone; black if there are no
+/// others.
+inline Bsdf without_diffuse(const Bsdf& bsdf) {
+  return visit_model(bsdf, [](const auto& model) -> Bsdf {
+    if constexpr (requires { model.without_diffuse(); })
+      return model.without_diffuse();
+    else
+      return is_black(model.diffuse_reflectance()) ? Bsdf(model) : Bsdf(Diffuse{C3f(0.0f)});
+  });
+}
+
 /// Whether the side scatters otherwise than diffusely, somewhere; with or without doing that, too.
 bool is_more_than_diffuse(const MaterialSide& side);
 

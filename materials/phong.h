@@ -15,6 +15,13 @@ struct Phong {
   [[nodiscard]] C3f eval_diffuse(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
+  [[nodiscard]] C3f diffuse_albedo(const V3f&) const { return base_reflectance; }
+  /// The lobe alone.
+  [[nodiscard]] Phong without_diffuse() const {
+    Phong bare = *this;
+    bare.base_reflectance = C3f(0.0f);
+    return bare;
+  }
   [[nodiscard]] C3f diffuse_reflectance() const { return base_reflectance; }
   [[nodiscard]] bool is_specular() const { return false; }
   template <class Self, class Visit>

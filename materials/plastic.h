@@ -50,6 +50,16 @@ struct Plastic {
     return BsdfSample{wi, base() * (through * transmitted(wi.z) / (1.0f - coat)),
                       (1.0f - coat) * cosine_hemisphere_pdf_w(wi.z), 1.0f, false};
   }
+  /// What the base reflects towards wo of light that comes evenly from all around.
+  [[nodiscard]] C3f diffuse_albedo(const V3f& wo) const {
+    return base() * (transmitted(wo.z) * (1.0f - fresnel_diffuse_reflectance(eta)));
+  }
+  /// The coat alone.
+  [[nodiscard]] Plastic without_diffuse() const {
+    Plastic bare = *this;
+    bare.base_reflectance = C3f(0.0f);
+    return bare;
+  }
   /// Albedo of the base through its coat under uniform light.
   [[nodiscard]] C3f diffuse_reflectance() const {
     const float through = 1.0f - fresnel_diffuse_reflectance(eta);

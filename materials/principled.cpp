@@ -93,7 +93,7 @@ C3f Principled::reflected_by_facets(const V3f& wo, const V3f& wi, const V3f& h) 
 
 C3f Principled::reflected_diffusely(const V3f& wo, const V3f& wi, const V3f& h) const {
   const float opaque = opaque_weight();
-  if (opaque == 0.0f) return C3f(0.0f);
+  if (opaque == 0.0f || !has_diffuse) return C3f(0.0f);
   const float cos_d = wi.dot(h);
   C3f value = base_color * (opaque / pi_f * burley_diffuse(wo.z, wi.z, cos_d, roughness, flatness));
   if (sheen > 0.0f) value += tint(base_color, sheen_tint) * (sheen * (1.0f - metallic) * schlick_weight(cos_d));
@@ -188,7 +188,15 @@ std::optional<BsdfSample> Principled::sample(const V3f& wo, const V2f& u) const 
   return BsdfSample{wi, value * (1.0f / pdf), pdf, through ? eta : 1.0f, false};
 }
 
+Principled Principled::without_diffuse() const {
+  Principled rest = *this;
+  rest.has_diffuse = false;
+  rest.diffuse_reflectance_sampling_rate = 0.0f;
+  return rest;
+}
+
 C3f Principled::diffuse_reflectance() const {
+  if (!has_diffuse) return C3f(0.0f);
   const float opaque = opaque_weight();
   if (opaque == 0.0f) return C3f(0.0f);
   const C3f albedo = base_color * (opaque * burley_diffuse_albedo(roughness, flatness)) +

@@ -30,6 +30,7 @@ struct Principled {
   float main_specular_sampling_rate = 1.0f;
   float clearcoat_sampling_rate = 1.0f;
   bool inside = false;  ///< the viewer is behind the surface, where only the glass answers
+  bool has_diffuse = true;  ///< false: without the diffuse and sheen lobes
 
   /// The model for the back of the same surface: only its glass, with the inverse index; black without glass.
   [[nodiscard]] Principled from_behind() const;
@@ -40,6 +41,8 @@ struct Principled {
   [[nodiscard]] C3f eval_diffuse(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
+  /// All lobes but the diffuse and the sheen.
+  [[nodiscard]] Principled without_diffuse() const;
   /// Hemispherical average of the diffuse and sheen lobes, at most 1.
   [[nodiscard]] C3f diffuse_reflectance() const;
   [[nodiscard]] bool is_specular() const { return false; }

@@ -47,7 +47,7 @@ C3f PrincipledThin::reflected_by_facets(const V3f& wo, const V3f& wi, const V3f&
 
 C3f PrincipledThin::reflected_diffusely(const V3f& wo, const V3f& wi, const V3f& h) const {
   const float diffuse = (1.0f - spec_trans) * (1.0f - 0.5f * diff_trans);
-  if (!(diffuse > 0.0f)) return C3f(0.0f);
+  if (!(diffuse > 0.0f) || !has_diffuse) return C3f(0.0f);
   const float cos_d = wo.dot(h);
   C3f sum = base_color * (burley_diffuse(wo.z, wi.z, cos_d, roughness, flatness) / pi_f);
   if (sheen > 0.0f) sum += tint(base_color, sheen_tint) * (sheen * schlick_weight(cos_d));
@@ -128,7 +128,15 @@ std::optional<BsdfSample> PrincipledThin::sample(const V3f& wo, const V2f& u) co
   return BsdfSample{wi, value * (1.0f / pdf), pdf, 1.0f, false};
 }
 
+PrincipledThin PrincipledThin::without_diffuse() const {
+  PrincipledThin rest = *this;
+  rest.has_diffuse = false;
+  rest.diffuse_reflectance_sampling_rate = 0.0f;
+  return rest;
+}
+
 C3f PrincipledThin::diffuse_reflectance() const {
+  if (!has_diffuse) return C3f(0.0f);
   const float diffuse = std::max(0.0f, (1.0f - spec_trans) * (1.0f - 0.5f * diff_trans));
   const C3f albedo = (base_color * burley_diffuse_albedo(roughness, flatness) +
                       tint(base_color, sheen_tint) * (sheen * sheen_albedo)) *

@@ -25,12 +25,15 @@ struct PrincipledThin {
   float specular_reflectance_sampling_rate = 1.0f;
   float specular_transmittance_sampling_rate = 1.0f;
   float diffuse_transmittance_sampling_rate = 1.0f;
+  bool has_diffuse = true;  ///< false: without the diffuse and sheen lobes of reflection
 
   [[nodiscard]] C3f eval(const V3f& wo, const V3f& wi) const;
   /// The part of eval() that the diffuse and sheen lobes of reflection make. REQUIRES: wi.z > 0.
   [[nodiscard]] C3f eval_diffuse(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] float pdf_w(const V3f& wo, const V3f& wi) const;
   [[nodiscard]] std::optional<BsdfSample> sample(const V3f& wo, const V2f& u) const;
+  /// All lobes but the diffuse and the sheen of reflection.
+  [[nodiscard]] PrincipledThin without_diffuse() const;
   /// Hemispherical average of the diffuse and sheen lobes of reflection, at most 1.
   [[nodiscard]] C3f diffuse_reflectance() const;
   [[nodiscard]] bool is_specular() const { return false; }

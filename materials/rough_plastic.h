@@ -83,6 +83,16 @@ struct RoughPlastic {
     if (!(at.pdf_w > 0.0f)) return std::nullopt;
     return BsdfSample{wi, at.value * (1.0f / at.pdf_w), at.pdf_w, 1.0f, false};
   }
+  /// What the base reflects towards wo of light that comes evenly from all around.
+  [[nodiscard]] C3f diffuse_albedo(const V3f& wo) const {
+    return base() * (coat->transmittance_at(wo.z) * coat->mean_transmittance);
+  }
+  /// The coat alone.
+  [[nodiscard]] RoughPlastic without_diffuse() const {
+    RoughPlastic bare = *this;
+    bare.base_reflectance = C3f(0.0f);
+    return bare;
+  }
   /// Albedo of the base through its coat under uniform light.
   [[nodiscard]] C3f diffuse_reflectance() const {
     return base() * (coat->mean_transmittance * coat->mean_transmittance);
