@@ -22,6 +22,9 @@ struct IndirectFieldOptions {
   bool without_caustics = false;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
+  /// By element: about how many rays of the picture start there; elements that are too coarse to be trusted are
+  /// divided where that pays (R52). Empty: nowhere.
+  std::vector<double> rays_there{};
   std::uint32_t least_rays = 64, most_rays = 512;
   std::uint32_t seed = 0;
 };
@@ -52,16 +55,18 @@ class IndirectField {
   [[nodiscard]] LookUp at(const SurfacePoint& point) const { return at(mesh_->locate(point)); }
   /// The same where the element is known.
   [[nodiscard]] LookUp at(const ElementMesh::Location& location) const {
-    if (location.element >= known_.size()) return {};
-    LookUp found{known_[location.element]};
-    if (found.known >= Known::indirect) found.irradiance = interpolated(value_[location.element], location);
+    if (location.element >= elements_) return {};
+    const Place place = place_of(location);
+    LookUp found{known_[place.cell]};
+    if (found.known >= Known::indirect) found.irradiance = interpolated(value_[place.cell], place);
     return found;
   }
 
   /// Asks for what is kept of an element, so that it is at hand when at() is.
   void prefetch(std::uint32_t element) const {
-    if (element >= known_.size()) return;
+    if (element >= elements_) return;
     __builtin_prefetch(&known_[element]);
+    __builtin_prefetch(&child_[element]);
     __builtin_prefetch(&value_[element]);
   }
 
@@ -71,9 +76,9 @@ class IndirectField {
   /// direct light.
   [[nodiscard]] C3f indirect_at_any(const SurfacePoint& point) const;
 
-  /// Of an element; nothing of those that are no cells.
+  /// Of all of an element; nothing of those that are no cells.
   [[nodiscard]] Known known(std::uint32_t element) const {
-    return element < known_.size() ? known_[element] : Known::nothing;
+    return element < elements_ ? known_[element] : Known::nothing;
   }
   /// The part of the elements' area where so much or more is known, in [0, 1].
   [[nodiscard]] double share(Known least) const { return share_[static_cast<std::size_t>(least)]; }
@@ -81,15 +86,40 @@ class IndirectField {
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
  private:
+  friend class IndirectFieldBuilder;
   using Corners = std::array<C3f, 3>;
-  [[nodiscard]] static C3f interpolated(const Corners& corner, const ElementMesh::Location& location) {
-    return corner[0] + (corner[1] - corner[0]) * location.u + (corner[2] - corner[0]) * location.v;
+  // A place on a cell, an element or a part of one, in the barycentric coordinates of its corners 1 and 2.
+  struct Place {
+    std::uint32_t cell;
+    float u, v;
+  };
+  // REQUIRES: an element that is a cell.
+  [[nodiscard]] Place place_of(const ElementMesh::Location& location) const {
+    Place at{location.element, location.u, location.v};
+    while (const std::uint32_t child = child_[at.cell]) {
+      const float u = 2.0f * at.u, v = 2.0f * at.v;
+      if (u > 1.0f)
+        at = {child + 1, u - 1.0f, v};
+      else if (v > 1.0f)
+        at = {child + 2, u, v - 1.0f};
+      else if (u + v < 1.0f)
+        at = {child, u, v};
+      else
+        at = {child + 3, 1.0f - u, 1.0f - v};
+    }
+    return at;
+  }
+  [[nodiscard]] static C3f interpolated(const Corners& corner, const Place& at) {
+    return corner[0] + (corner[1] - corner[0]) * at.u + (corner[2] - corner[0]) * at.v;
   }
 
   const ElementMesh* mesh_;
-  std::vector<Corners> value_,
-      direct_;                // by face, at its corners: all that is known, and of that the lamps' part
-  std::vector<Known> known_;  // by face: elements that are cells
+  std::uint32_t elements_ = 0;  // that are cells; clusters have larger numbers
+  // By cell: elements that are cells, then the four parts of those that are divided, from the corners 0, 1, 2
+  // and the middle.
+  std::vector<Corners> value_, direct_;  // at the corners: all that is known, and of that the lamps' part
+  std::vector<Known> known_;
+  std::vector<std::uint32_t> child_;  // the first part; 0: not divided
   std::array<double, 4> share_{};
   std::uint64_t rays_ = 0;
 };

@@ -36,10 +36,7 @@ std::vector<Ray> view_rays(const Camera& camera, const PixelWindow& window, std:
 
 // Light is looked up where the picture's rays see it: at elements that few of them see it may as well be
 // gathered.
-std::vector<bool> seen_elements(const PassOneJob& job, const Solution& solution) {
-  std::uint64_t rays = 0;
-  const std::vector<double> parts =
-      parts_of(solution.mesh(), seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
+std::vector<bool> seen_elements(std::span<const double> parts) {
   std::vector<bool> seen;
   for (const double part : parts) seen.push_back(part > 0.0);
   return seen;
@@ -96,12 +93,17 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   }
   if (job.solved) done.solution = std::make_unique<const Solution>(std::move(*job.solved));
   done.solution_time = stopwatch.elapsed();
-  const std::vector<bool> seen = seen_elements(job, *done.solution);
+  std::uint64_t rays = 0;
+  std::vector<double> parts = parts_of(done.solution->mesh(),
+                                       seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
+  const std::vector<bool> seen = seen_elements(parts);
   if (job.plan.indirect_field) {
     stopwatch = Stopwatch();
     IndirectFieldOptions options;
     options.seed = job.radiosity.seed;
     options.wanted = seen;
+    options.rays_there = std::move(parts);
+    for (double& there : options.rays_there) there *= job.picture_rays;
     options.without_caustics = done.caustics != nullptr;
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
     done.field_time = stopwatch.elapsed();
