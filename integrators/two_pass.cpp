@@ -7,8 +7,9 @@ namespace twopass {
 
 namespace {
 
-// The field knows what arrives around the geometric normal, within rounding errors of this.
-constexpr float flat_cosine = 0.9999f;
+// The field knows what arrives around the geometric normal, within rounding errors of this, and about what does
+// around others that are not more tilted.
+constexpr float flat_cosine = 0.9999f, least_cosine = 0.94f;
 
 bool is_all_diffuse(const Bsdf& bsdf) {
   return std::holds_alternative<Diffuse>(bsdf) || std::holds_alternative<RoughDiffuse>(bsdf);
@@ -49,11 +50,16 @@ bool TwoPass::resolves(const Vertex& vertex) const {
 IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
   if (!field_ || is_black(diffuse_reflectance(vertex.bsdf()))) return {};
   const SurfacePoint& point = vertex.point();
-  if (point.shading.n.dot(point.geometric_normal) < flat_cosine) return {};
+  const float cosine = point.shading.n.dot(point.geometric_normal);
+  if (cosine < least_cosine) return {};
   IndirectField::LookUp found = field_->at(vertex.place());
+  const bool is_tilted = cosine < flat_cosine;
   // How much of it coats let through depends on where light comes from: lamps are sampled there (radiosity, R50).
-  if (found.known == Known::all && !std::holds_alternative<Diffuse>(vertex.bsdf()))
+  if (found.known == Known::all && (is_tilted || !std::holds_alternative<Diffuse>(vertex.bsdf())))
     found = {Known::indirect, found.irradiance - field_->direct_at(vertex.place())};
+  if (!is_tilted) return found;
+  if (found.known != Known::indirect) return {};
+  found.irradiance = field_->tilted(found.irradiance, vertex.place(), point.geometric_normal, point.shading.n);
   return found;
 }
 

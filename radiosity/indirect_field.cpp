@@ -172,6 +172,8 @@ class IndirectFieldBuilder {
   void judge(std::uint32_t c, std::uint64_t& rays) {
     const FieldCell& cell = cells_[c];
     for (std::size_t k = 0; k < 3; ++k) field_.value_[c][k] = C3f(gathered_[cell.corner[k]].mean());
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t k = 0; k < 3; ++k) field_.across_[c][axis][k] = C3f(gathered_[cell.corner[k]].mean_across(axis));
     verdict_[c] = verdict_of(c, rays);
     const bool is_trusted = verdict_[c] == Verdict::trusted;
     const auto direct = options_.with_direct && lamps_.is_known()
@@ -276,6 +278,7 @@ class IndirectFieldBuilder {
     const Corners black{C3f(0.0f), C3f(0.0f), C3f(0.0f)};
     field_.value_.resize(cells_.size(), black);
     field_.direct_.resize(cells_.size(), black);
+    field_.across_.resize(cells_.size(), {black, black, black});
     field_.known_.resize(cells_.size(), Known::nothing);
     field_.child_.resize(cells_.size(), 0);
     verdict_.resize(cells_.size(), Verdict::unknown);
@@ -333,6 +336,16 @@ C3f IndirectField::direct_at(const ElementMesh::Location& location) const {
   if (location.element >= elements_) return C3f(0.0f);
   const Place place = place_of(location);
   return interpolated(direct_[place.cell], place);
+}
+
+C3f IndirectField::tilted(const C3f& irradiance, const ElementMesh::Location& location, const V3f& flat,
+                          const V3f& normal) const {
+  const Place place = place_of(location);
+  const float cosine = normal.dot(flat);
+  C3f sum = irradiance * (0.5f + 0.5f * cosine);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    sum += interpolated(across_[place.cell][axis], place) * normal[static_cast<int>(axis)];
+  return {std::max(sum.x, 0.0f), std::max(sum.y, 0.0f), std::max(sum.z, 0.0f)};
 }
 
 C3f IndirectField::indirect_at_any(const SurfacePoint& point) const {

@@ -70,6 +70,10 @@ class IndirectField {
     __builtin_prefetch(&value_[element]);
   }
 
+  /// What diffuse surfaces send to a surface there whose normal is not quite that of the element, `flat`: on its
+  /// side, and of what at() finds without the lamps' part (R53), W/m2. REQUIRES: at() knows it.
+  [[nodiscard]] C3f tilted(const C3f& irradiance, const ElementMesh::Location& location, const V3f& flat,
+                           const V3f& normal) const;
   /// The light of lamps in what at() finds there, W/m2.
   [[nodiscard]] C3f direct_at(const ElementMesh::Location& location) const;
   /// What diffuse surfaces send where it cannot be trusted, too; 0 where there is none. REQUIRES: built without
@@ -118,6 +122,7 @@ class IndirectField {
   // By cell: elements that are cells, then the four parts of those that are divided, from the corners 0, 1, 2
   // and the middle.
   std::vector<Corners> value_, direct_;  // at the corners: all that is known, and of that the lamps' part
+  std::vector<std::array<Corners, 3>> across_;  // net irradiance along the surface, by axis
   std::vector<Known> known_;
   std::vector<std::uint32_t> child_;  // the first part; 0: not divided
   std::array<double, 4> share_{};

@@ -15,6 +15,8 @@ constexpr float near_corner = 0.25f;
 // are gathered at instead.
 constexpr float contact_elements = 2.0f;
 constexpr int most_contacts = 4;
+// Net irradiance along the surface weighs rays by the tangent of their angle; by no more than at this cosine.
+constexpr float least_cosine = 0.1f;
 
 }  // namespace
 
@@ -23,6 +25,8 @@ Gathered between(const Gathered& a, const Gathered& b, double t) {
   g.rays = std::min(a.rays, b.rays);
   const double n = g.rays;
   g.irradiance = (a.mean() * (1.0 - t) + b.mean() * t) * n;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    g.across[axis] = (a.mean_across(axis) * (1.0 - t) + b.mean_across(axis) * t) * n;
   g.brightness2 = brightness(g.mean()) * brightness(g.mean()) * n;
   if (g.rays > 0) g.inverse_distance = n * std::max(a.inverse_distance / a.rays, b.inverse_distance / b.rays);
   if (g.rays > 0) g.caustic = (a.caustic / a.rays * (1.0 - t) + b.caustic / b.rays * t) * n;
@@ -150,6 +154,9 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
   const C3d found = sent_from(ray, landing, 0, sampler, sum.caustic, rays);
   sum.irradiance += found;
+  const float cosine = ray.direction.dot(normal);
+  const V3d along((ray.direction - normal * cosine) / std::max(cosine, least_cosine));
+  for (std::size_t axis = 0; axis < 3; ++axis) sum.across[axis] += found * along[static_cast<int>(axis)];
   const double b = brightness(found);
   sum.brightness2 += b * b;
 }

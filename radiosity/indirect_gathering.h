@@ -22,6 +22,7 @@ struct FieldCell {
 struct Gathered {
   std::uint32_t rays = 0, buried = 0;
   C3d irradiance{0.0};
+  std::array<C3d, 3> across{C3d(0.0), C3d(0.0), C3d(0.0)};  // net irradiance along the surface, by axis
   double brightness2 = 0.0;       // squared brightness of each ray
   double inverse_distance = 0.0;  // of what they met
   C3d caustic{0.0};               // of the irradiance: light straight from lamps over specular surfaces
@@ -30,6 +31,9 @@ struct Gathered {
   [[nodiscard]] bool sees_caustic(double direct) const {
     constexpr double trace = 0.02;
     return brightness(caustic) > trace * (direct * rays + brightness(irradiance));
+  }
+  [[nodiscard]] C3d mean_across(std::size_t axis) const {
+    return rays == 0 ? C3d(0.0) : across[axis] / static_cast<double>(rays);
   }
   [[nodiscard]] C3d mean() const { return rays == 0 ? C3d(0.0) : irradiance / static_cast<double>(rays); }
   // Standard error of the mean's brightness, as if the rays were independent: stratified ones are better.
