@@ -304,8 +304,8 @@ class IndirectFieldBuilder {
     }
   }
 
-  // A division costs about so many rays: a vertex and a half and four middles.
-  static constexpr double rays_of_division = 1000.0;
+  // A division costs about so many rays: those of a vertex and a half and of four middles, and at contacts.
+  static constexpr double rays_of_division = 8000.0;
 
   const Solution& solution_;
   const ElementMesh& mesh_;

@@ -170,8 +170,7 @@ C3d Gathering::sent_from(const Ray& ray, const Landing& landing, int contacts, S
     found = is_contact && contacts < most_contacts ? reflected_at_contact(landing, contacts, sampler, caustic, rays)
                                                    : radiosity_[landing.element];
   }
-  // What lamps throw there over mirrors belongs to the place where the path starts, not to contacts.
-  const bool leaves_out = options_.without_caustics && landing.kind == Landing::on_specular && contacts == 0;
+  const bool leaves_out = options_.caustics && landing.kind == Landing::on_specular;
   if (landing.goes_on) found += over_specular(ray, landing, leaves_out, sampler, caustic, rays);
   return found;
 }
@@ -190,6 +189,7 @@ C3d Gathering::reflected_at_contact(const Landing& landing, int contacts, Sample
       irradiance += C3d(light.radiance * (incident.wi.z * visible / light.pdf_w));
     }
   }
+  if (options_.caustics) irradiance += C3d(options_.caustics->irradiance(point));
   const V3f direction = Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
   const Ray ray{spawn_position(point, direction), direction};
   const Landing next = element_rays_.cast(ray, point.geometric_normal, mesh_.size(landing.element), sampler, rays);

@@ -104,7 +104,7 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
     options.wanted = seen;
     options.rays_there = std::move(parts);
     for (double& there : options.rays_there) there *= job.picture_rays;
-    options.without_caustics = done.caustics != nullptr;
+    options.caustics = done.caustics.get();
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
     done.field_time = stopwatch.elapsed();
   }
