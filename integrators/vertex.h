@@ -229,7 +229,7 @@ class Vertex {
     if (lacks_diffuse_ && !survives(survival_probability(max_component(drawn->weight) * reached))) return false;
     if (caustics_ == Caustics::known) {
       carried.over_specular = false;
-      carried.uncharted = drawn->is_specular || lacks_diffuse_ ? C3f(1.0f) : glossy_share(direction);
+      carried.uncharted = drawn->is_specular || lacks_diffuse_ ? C3f(1.0f) : glossy_share(*drawn);
     }
     carried.over_specular = carried.over_specular || caustics_ == Caustics::passed;
     carried.relative_ior *= drawn->eta;
@@ -352,10 +352,14 @@ class Vertex {
     return is_black(diffuse_reflectance(*bsdf_)) ? 0.0f : share_of_mixed;
   }
 
-  // Of what the surface sends along the path from a direction, the part that is not reflected diffusely.
-  [[nodiscard]] C3f glossy_share(const V3f& direction) const {
-    return C3f(1.0f) -
-           diffuse_share(*bsdf_, point_.shading.to_local(-direction_), point_.shading.to_local(direction));
+  // Of what the surface sends along the path from the direction drawn, the part that is not reflected diffusely.
+  [[nodiscard]] C3f glossy_share(const BsdfSample& drawn) const {
+    C3f share(0.0f);
+    if (std::holds_alternative<Diffuse>(*bsdf_)) return share;
+    const C3f all = drawn.weight * drawn.pdf_w, diffuse = eval_diffuse(*bsdf_, wo(), drawn.wi);
+    for (int c = 0; c < 3; ++c)
+      if (all[c] > 0.0f) share[c] = std::clamp(1.0f - diffuse[c] / all[c], 0.0f, 1.0f);
+    return share;
   }
 
   bool survives(float probability) {

@@ -233,8 +233,6 @@ class IndirectFieldBuilder {
     std::vector<std::uint32_t> fresh;
     for (const std::uint32_t c : pending) {
       if (verdict_[c] != Verdict::too_coarse || options_.rays_there.empty()) continue;
-      static const int lv = getenv("LV") ? atoi(getenv("LV")) : 3;
-      if (level >= lv) continue;
       if (options_.rays_there[cells_[c].face] < rays_of_division * std::pow(4.0, level)) continue;
       field_.child_[c] = static_cast<std::uint32_t>(cells_.size());
       const auto [face, corner] = cells_[c];

@@ -210,7 +210,7 @@ C3d Gathering::over_specular(const Ray& ray, const Landing& landing, bool leaves
                                   : scene_.emitted_radiance(end.point)) *
                      end.lamp_weight;
     const C3d of_lamp = std::exchange(leaves_out, false) && !end.escaped ? C3d(0.0) : C3d(end.weight * lamp) * pi;
-    caustic += of_lamp;
+    if (!end.is_blurred) caustic += of_lamp;
     found += of_lamp;
     if (end.escaped) break;
     if (const std::uint32_t element = mesh_.find(end.point); element != no_index)

@@ -8,6 +8,8 @@ namespace twopass {
 namespace {
 constexpr int most_surfaces = 64;
 constexpr int surfaces_before_roulette = 4;
+// Lobes with less density than this, per steradian, blur what they reflect over some degrees.
+constexpr float least_sharp_pdf_w = 100.0f;
 
 // What is left of a value of the model without the diffuse part.
 C3f glossy_part(const Bsdf& bsdf, const V3f& wo, const V3f& wi, const C3f& value) {
@@ -55,6 +57,7 @@ bool SpecularPath::scatter(bool samples_lamps) {
     receiver_ = receiver_at(point, bsdf);
     distance_ = 0.0f;
   }
+  end_.is_blurred = end_.is_blurred || (!scattered->is_specular && scattered->pdf_w < least_sharp_pdf_w);
   const C3f weight =
       scattered->is_specular ? scattered->weight : glossy_part(bsdf, wo, scattered->wi, scattered->weight);
   const float eta2 = scattered->eta * scattered->eta;
