@@ -30,17 +30,23 @@ bool is_black(const Corners& corners) {
   return std::all_of(corners.begin(), corners.end(), [](const C3f& c) { return twopass::is_black(c); });
 }
 
-// (R43): what the lamps send to the corners of a flat patch, if that is certain and linear in between but for
+// The part of a flat patch between three places of it that were rounded: in its plane again, or the surface
+// itself would hide it.
+Polygon part_of(const Patch& patch, std::array<V3d, 3> corner) {
+  for (V3d& c : corner) c -= patch.normal * patch.normal.dot(c - patch.corner[0]);
+  // Cells are in the order of the front, the patch may be a back.
+  if ((corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(patch.normal) < 0.0) std::swap(corner[1], corner[2]);
+  return make_polygon(corner[0], corner[1], corner[2]);
+}
+
+// (R43): what the lamps send to the corners of a flat polygon, if that is certain and linear in between but for
 // the given part of all the light. `indirect`: at the corners.
-std::optional<Corners> direct_of(const Patch& patch, const std::array<V3d, 3>& corner, const LampLight& lamps,
-                                 const Corners& indirect, double tolerance) {
-  if (patch.is_analytic() || !(patch.area > 0.0)) return std::nullopt;
-  // The corners are in the order of the front, the patch may be a back.
-  const bool is_turned = (corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(patch.normal) < 0.0;
-  const auto seen = lamps.seen_from(make_polygon(corner[0], corner[is_turned ? 2 : 1], corner[is_turned ? 1 : 2]));
+std::optional<Corners> direct_of(const Polygon& polygon, const V3d& normal, const std::array<V3d, 3>& corner,
+                                 const LampLight& lamps, const Corners& indirect, double tolerance) {
+  const auto seen = lamps.seen_from(polygon);
   if (!seen) return std::nullopt;
   std::array<C3d, 3> at;
-  for (std::size_t k = 0; k < 3; ++k) at[k] = lamps.irradiance(corner[k], patch.normal, *seen);
+  for (std::size_t k = 0; k < 3; ++k) at[k] = lamps.irradiance(corner[k], normal, *seen);
   const auto is_linear_at = [&](const V3d& weight) {
     V3d point(0.0);
     C3d linear(0.0), others(0.0);
@@ -50,7 +56,7 @@ std::optional<Corners> direct_of(const Patch& patch, const std::array<V3d, 3>& c
       linear += at[k] * w;
       others += C3d(indirect[k]) * w;
     }
-    const C3d truth = lamps.irradiance(point, patch.normal, *seen);
+    const C3d truth = lamps.irradiance(point, normal, *seen);
     return brightness(C3d(std::abs(linear.x - truth.x), std::abs(linear.y - truth.y),
                           std::abs(linear.z - truth.z))) <= tolerance * brightness(truth + others);
   };
@@ -176,15 +182,20 @@ class IndirectFieldBuilder {
       for (std::size_t k = 0; k < 3; ++k) field_.across_[c][axis][k] = C3f(gathered_[cell.corner[k]].mean_across(axis));
     verdict_[c] = verdict_of(c, rays);
     const bool is_trusted = verdict_[c] == Verdict::trusted;
-    const auto direct = options_.with_direct && lamps_.is_known()
-                            ? direct_of(mesh_.patch(cell.face), gathering_.corners(cell), lamps_,
-                                        field_.value_[c], options_.direct_tolerance)
-                            : std::nullopt;
+    const auto direct = options_.with_direct && lamps_.is_known() ? direct_of(c) : std::nullopt;
     if (is_trusted) field_.known_[c] = direct ? Known::all : Known::indirect;
     if (!is_trusted && direct && is_black(*direct)) field_.known_[c] = Known::no_direct;
     if (!is_trusted || !direct) return;
     field_.direct_[c] = *direct;
     for (std::size_t k = 0; k < 3; ++k) field_.value_[c][k] += (*direct)[k];
+  }
+
+  [[nodiscard]] std::optional<Corners> direct_of(std::uint32_t c) const {
+    const Patch patch = mesh_.patch(cells_[c].face);
+    if (patch.is_analytic() || !(patch.area > 0.0)) return std::nullopt;
+    const std::array<V3d, 3> corner = gathering_.corners(cells_[c]);
+    return twopass::direct_of(c < faces() ? patch.polygon() : part_of(patch, corner), patch.normal, corner, lamps_,
+                              field_.value_[c], options_.direct_tolerance);
   }
 
   // (R40): whether interpolation on the cell is as good as gathering, relative to all the light there.
