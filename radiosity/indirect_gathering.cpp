@@ -1,6 +1,7 @@
 #include "radiosity/indirect_gathering.h"
 
 #include "radiosity/specular_path.h"
+#include "radiosity/weights_from_afar.h"
 #include "render/core/warp.h"
 #include "render/scene/incident.h"
 
@@ -11,10 +12,6 @@ namespace {
 // Rays start in this part of the cells around a corner, next to it: at the corner itself, a neighbouring wall
 // would be at distance zero.
 constexpr float near_corner = 0.25f;
-// Rays shorter than this many elements see surfaces that the elements do not resolve; how often in a row they
-// are gathered at instead.
-constexpr float contact_elements = 2.0f;
-constexpr int most_contacts = 4;
 // Net irradiance along the surface weighs rays by the tangent of their angle; by no more than at this cosine.
 constexpr float least_cosine = 0.1f;
 
@@ -152,7 +149,9 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   }
   ++sum.rays;
   if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
-  const C3d found = sent_from(ray, landing, 0, sampler, sum.caustic, rays);
+  C3d found = sent_from(ray, landing, sampler, sum.caustic, rays);
+  if (landing.kind == Landing::on_element && landing.distance < contact_elements * mesh_.size(landing.element))
+    found += reflected_at_contact(landing, sampler, sum.caustic, rays) - radiosity_[landing.element];
   sum.irradiance += found;
   const float cosine = ray.direction.dot(normal);
   const V3d along((ray.direction - normal * cosine) / std::max(cosine, least_cosine));
@@ -161,25 +160,22 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   sum.brightness2 += b * b;
 }
 
-// pi times the radiance that comes back along a ray, after so many contacts.
-C3d Gathering::sent_from(const Ray& ray, const Landing& landing, int contacts, Sampler& sampler, C3d& caustic,
+// pi times the radiance that an element, or what it is seen in, sends back along a ray.
+C3d Gathering::sent_from(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
                          std::uint64_t& rays) const {
   C3d found(0.0);
-  if (landing.kind == Landing::on_element) {
-    const bool is_contact = landing.distance < contact_elements * mesh_.size(landing.element);
-    found = is_contact && contacts < most_contacts ? reflected_at_contact(landing, contacts, sampler, caustic, rays)
-                                                   : radiosity_[landing.element];
-  }
+  if (landing.kind == Landing::on_element) found = radiosity_[landing.element];
   const bool leaves_out = options_.caustics && landing.kind == Landing::on_specular;
   if (landing.goes_on) found += over_specular(ray, landing, leaves_out, sampler, caustic, rays);
   return found;
 }
 
-// The same of a surface that is nearer than elements resolve: its light is sampled and gathered there.
-C3d Gathering::reflected_at_contact(const Landing& landing, int contacts, Sampler& sampler, C3d& caustic,
+// What a surface reflects that is nearer than elements resolve (R52): its light is sampled and gathered there.
+C3d Gathering::reflected_at_contact(const Landing& landing, Sampler& sampler, C3d& caustic,
                                     std::uint64_t& rays) const {
   const SurfacePoint& point = landing.point;
   C3d irradiance(0.0);
+  if (options_.caustics) irradiance += C3d(options_.caustics->irradiance(point));
   if (!scene_.lights().empty()) {
     const Incident incident = sample_incident(scene_, point, Diffuse{}, sampler.next_2d());
     if (incident.reached > 0.0f && incident.wi.z > 0.0f) {
@@ -189,12 +185,11 @@ C3d Gathering::reflected_at_contact(const Landing& landing, int contacts, Sample
       irradiance += C3d(light.radiance * (incident.wi.z * visible / light.pdf_w));
     }
   }
-  if (options_.caustics) irradiance += C3d(options_.caustics->irradiance(point));
   const V3f direction = Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
   const Ray ray{spawn_position(point, direction), direction};
   const Landing next = element_rays_.cast(ray, point.geometric_normal, mesh_.size(landing.element), sampler, rays);
   if (next.kind == Landing::buried) return radiosity_[landing.element];
-  irradiance += sent_from(ray, next, contacts + 1, sampler, caustic, rays);
+  irradiance += sent_from(ray, next, sampler, caustic, rays);
   return C3d(mesh_.reflectance(landing.element)) * irradiance;
 }
 
