@@ -259,10 +259,11 @@ ElementMesh final_elements(const Scene& scene, ElementMesh mesh, const Radiosity
   return mesh;
 }
 
-// On elements that are wholly exposed.
+// On elements that are wholly exposed. `rays`: that were cast before.
 Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options, const Choice& choice,
-                    const CausticParticles* shot, bool is_final) {
+                    const CausticParticles* shot, bool is_final, std::uint64_t rays = 0) {
   RadiosityStats stats;
+  stats.rays = rays;
   stats.max_reflections = options.max_reflections;
   const bool is_dark =
       scene.lights().empty() && scene.environment().is_black() && scene.punctual_lights().empty();
@@ -281,6 +282,14 @@ Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions
   if (!is_final) mesh = final_elements(scene, std::move(mesh), options, choice, caustics, stats);
   std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, caustics, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
+}
+
+// The same elements before what is buried of them was found: their areas are whole.
+ElementMesh whole(const Scene& scene, const ElementMesh& elements) {
+  ElementMesh::Saved saved = elements.save();
+  for (std::uint32_t i = 0; i < elements.count(); ++i)
+    saved.area[i] = static_cast<float>(elements.whole_area(i));
+  return std::move(*ElementMesh::restore(scene.shapes(), scene.description().materials, saved));
 }
 
 // Fills in what was left to the program.
@@ -306,17 +315,24 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested,
   return solve_from(scene, std::move(mesh), options, choice, caustics, false);
 }
 
+Solution solve_radiosity_again(const Scene& scene, const Solution& before, std::span<const std::uint8_t> cuts,
+                               const RadiosityOptions& requested, const CausticParticles* caustics) {
+  RadiosityOptions options = requested;
+  const Choice choice = settle(scene, options);
+  ElementMesh mesh = whole(scene, before.mesh()).cut(cuts);
+  std::uint64_t rays = 0;
+  if (!before.mesh().weights().empty() && !options.view.empty())
+    mesh.weigh(weights_from_afar(scene, mesh, options.view, options.seed, rays));
+  return solve_from(scene, std::move(mesh), options, choice, caustics, true, rays);
+}
+
 Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
                             const RadiosityOptions& requested) {
   RadiosityOptions options = requested;
   const Choice choice = settle(scene, options);
-  // What is buried is found again: their areas become whole.
-  ElementMesh::Saved saved = elements.save();
-  for (std::uint32_t i = 0; i < elements.count(); ++i)
-    saved.area[i] = static_cast<float>(elements.whole_area(i));
-  std::optional<ElementMesh> mesh = ElementMesh::restore(scene.shapes(), scene.description().materials, saved);
-  mesh->weigh(elements.weights());
-  return solve_from(scene, std::move(*mesh), options, choice, nullptr, true);
+  ElementMesh mesh = whole(scene, elements);
+  mesh.weigh(elements.weights());
+  return solve_from(scene, std::move(mesh), options, choice, nullptr, true);
 }
 
 }  // namespace twopass

@@ -1,6 +1,9 @@
 #include "render/pass_one.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <limits>
+#include <numeric>
 
 #include "radiosity/view_parts.h"
 
@@ -67,6 +70,71 @@ GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, c
   return options;
 }
 
+// What is read of the solution.
+void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
+  const std::vector<bool> seen = seen_elements(job, *done.solution);
+  Stopwatch stopwatch;
+  done.guide.reset();
+  if (job.plan.indirect_field) {
+    IndirectFieldOptions options;
+    options.seed = job.radiosity.seed;
+    options.wanted = seen;
+    options.without_caustics = done.caustics != nullptr;
+    done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
+    done.field_time += stopwatch.elapsed();
+  }
+  if (job.plan.guide) {
+    stopwatch = Stopwatch();
+    done.guide = std::make_unique<const Guide>(job.scene, *done.solution, guide_options(job, done, seen));
+    done.guide_time += stopwatch.elapsed();
+  }
+}
+
+// `particles`: shot where they are needed, and kept for more than one solution.
+PreparedPassOne prepare(PassOneJob job, std::optional<CausticParticles>& particles) {
+  PreparedPassOne done;
+  if (!job.plan.radiosity_pass) return done;
+  Stopwatch stopwatch;
+  if (!job.solved || job.plan.caustic_map) {
+    particles.emplace(job.scene, CausticParticlesOptions{.seed = job.radiosity.seed});
+    if (job.plan.caustic_map) done.caustics = std::make_unique<const CausticMap>(job.scene, *particles);
+    done.caustics_time = stopwatch.elapsed();
+    stopwatch = Stopwatch();
+    if (!job.solved)
+      done.solution = std::make_unique<const Solution>(solve_radiosity(job.scene, job.radiosity, &*particles));
+  }
+  if (job.solved) done.solution = std::make_unique<const Solution>(std::move(*job.solved));
+  done.solution_time = stopwatch.elapsed();
+  prepare_reading(job, done);
+  return done;
+}
+
+// Cuts the elements that paths found guilty, so that as much less guilt is left as the bias has to be smaller, and
+// solves again. False: there are none, or there are as many elements as there may be.
+bool refine(const PassOneJob& job, const Certificate& found, double most_bias, const CausticParticles& particles,
+            PreparedPassOne& done) {
+  const ElementMesh& mesh = done.solution->mesh();
+  RadiosityOptions most = job.radiosity;
+  most.refinement = 1;
+  // At most twice as many, so that what comes next is better informed.
+  const std::size_t limit = std::min(element_limit(job.scene, most), 2 * mesh.count());
+  if (limit < mesh.count() + 3) return false;
+  const std::vector<double> guilt = guilt_of(mesh, done.solution->irradiances(), found.of_element);
+  const double all = std::accumulate(guilt.begin(), guilt.end(), 0.0);
+  const double part = std::clamp(0.5 * most_bias / std::abs(found.mean), 0.0, 0.5);
+  const std::vector<std::uint8_t> cuts = cuts_for(guilt, part * all, limit);
+  if (std::all_of(cuts.begin(), cuts.end(), [](std::uint8_t times) { return times == 0; })) return false;
+  const Stopwatch stopwatch;
+  // Field and guide are of the solution.
+  done.field.reset();
+  done.guide.reset();
+  done.solution = std::make_unique<const Solution>(
+      solve_radiosity_again(job.scene, *done.solution, cuts, job.radiosity, &particles));
+  done.solution_time += stopwatch.elapsed();
+  prepare_reading(job, done);
+  return true;
+}
+
 }  // namespace
 
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
@@ -83,35 +151,8 @@ RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& 
 }
 
 PreparedPassOne prepare_pass_one(PassOneJob job) {
-  PreparedPassOne done;
-  if (!job.plan.radiosity_pass) return done;
-  Stopwatch stopwatch;
-  if (!job.solved || job.plan.caustic_map) {
-    const CausticParticles particles(job.scene, {.seed = job.radiosity.seed});
-    if (job.plan.caustic_map) done.caustics = std::make_unique<const CausticMap>(job.scene, particles);
-    done.caustics_time = stopwatch.elapsed();
-    stopwatch = Stopwatch();
-    if (!job.solved)
-      done.solution = std::make_unique<const Solution>(solve_radiosity(job.scene, job.radiosity, &particles));
-  }
-  if (job.solved) done.solution = std::make_unique<const Solution>(std::move(*job.solved));
-  done.solution_time = stopwatch.elapsed();
-  const std::vector<bool> seen = seen_elements(job, *done.solution);
-  if (job.plan.indirect_field) {
-    stopwatch = Stopwatch();
-    IndirectFieldOptions options;
-    options.seed = job.radiosity.seed;
-    options.wanted = seen;
-    options.without_caustics = done.caustics != nullptr;
-    done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
-    done.field_time = stopwatch.elapsed();
-  }
-  if (job.plan.guide) {
-    stopwatch = Stopwatch();
-    done.guide = std::make_unique<const Guide>(job.scene, *done.solution, guide_options(job, done, seen));
-    done.guide_time = stopwatch.elapsed();
-  }
-  return done;
+  std::optional<CausticParticles> particles;
+  return prepare(std::move(job), particles);
 }
 
 double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
@@ -143,14 +184,16 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
                                     const std::function<void(const std::string&)>& say) {
   // So that the samples are neither the picture's nor those of its certificate.
   constexpr std::uint32_t own_seeds = 0x6b79d8a1u;
-  const bool may_solve_again = goal.may_solve_again && !job.solved;
-  PreparedPassOne done = prepare_pass_one({.scene = job.scene,
-                                           .plan = job.plan,
-                                           .integrator = job.integrator,
-                                           .radiosity = job.radiosity,
-                                           .solved = std::move(job.solved),
-                                           .picture_rays = job.picture_rays});
-  bool has_refined = false;
+  constexpr int most_refinements = 2;
+  int refinements = goal.may_solve_again && !job.solved ? most_refinements : 0;
+  std::optional<CausticParticles> particles;
+  PreparedPassOne done = prepare({.scene = job.scene,
+                                  .plan = job.plan,
+                                  .integrator = job.integrator,
+                                  .radiosity = job.radiosity,
+                                  .solved = std::move(job.solved),
+                                  .picture_rays = job.picture_rays},
+                                 particles);
   for (std::uint32_t round = 0; done.solution; ++round) {
     PathLimits unclamped = limits;
     unclamped.clamp_direct = unclamped.clamp_indirect = infinity_f;
@@ -164,26 +207,18 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
                                                       .corner = window.corner,
                                                       .seed = job.radiosity.seed + own_seeds * (round + 1),
                                                       .most_rays = goal.rays,
-                                                      .close_enough = 0.3 * goal.most});
+                                                      .close_enough = 0.3 * goal.most,
+                                                      .elements = done.solution->mesh().count()});
     if (!found || std::abs(found->mean) - found->ci95 <= goal.most) return done;
     char text[160];
     std::snprintf(text, sizeof text, "two passes would be biased by %+.2f %% +- %.2f %%: ", 100.0 * found->mean,
                   100.0 * found->ci95);
     const Elapsed spent = done.time();
-    const bool has_time = goal.seconds <= 0.0 || 5.0 * spent.seconds <= goal.seconds;
-    if (may_solve_again && !has_refined && has_time) {
-      has_refined = true;
-      ++job.radiosity.refinement;
-      const std::size_t before = done.solution->mesh().count();
-      PreparedPassOne finer = prepare_pass_one({.scene = job.scene,
-                                                .plan = job.plan,
-                                                .integrator = job.integrator,
-                                                .radiosity = job.radiosity,
-                                                .picture_rays = job.picture_rays});
-      finer.solution_time += spent;
-      const std::size_t after = finer.solution->mesh().count();
-      done = std::move(finer);
-      say(text + std::to_string(after) + " elements instead of " + std::to_string(before));
+    const std::size_t before = done.solution->mesh().count();
+    if (refinements-- > 0 && (goal.seconds <= 0.0 || 3.0 * spent.seconds <= goal.seconds) &&
+        refine(job, *found, goal.most, *particles, done)) {
+      say(text + std::to_string(done.solution->mesh().count()) + " elements instead of " + std::to_string(before) +
+          ", finer where paths found light that was not right");
     } else if (!done.gathers_twice) {
       done.field.reset();
       done.gathers_twice = true;
