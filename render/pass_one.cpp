@@ -138,12 +138,13 @@ bool refine(const PassOneJob& job, const Certificate& found, double most_bias, c
 }  // namespace
 
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
-                                   const PixelWindow& window, RadiosityOptions asked, double cpu_seconds) {
+                                   const PixelWindow& window, RadiosityOptions asked, const PictureGoal& goal) {
   asked.max_reflections = max_reflections_of(integrator, limits);
   if (integrator != IntegratorKind::two_pass) return asked;
   asked.gathered_pixels = static_cast<std::size_t>(camera.width()) * static_cast<std::size_t>(camera.height());
-  if (cpu_seconds > 0.0) {
-    const auto affordable = static_cast<std::size_t>(share_of_pass_one * cpu_seconds / seconds_of_a_pixel);
+  if (goal.relative_error > 0.0) asked.picture_error = goal.relative_error;
+  if (goal.cpu_seconds > 0.0) {
+    const auto affordable = static_cast<std::size_t>(share_of_pass_one * goal.cpu_seconds / seconds_of_a_pixel);
     asked.gathered_pixels = std::clamp<std::size_t>(affordable, 1, asked.gathered_pixels);
   }
   asked.view = view_rays(camera, window, asked.seed);
@@ -153,6 +154,10 @@ RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& 
 PreparedPassOne prepare_pass_one(PassOneJob job) {
   std::optional<CausticParticles> particles;
   return prepare(std::move(job), particles);
+}
+
+PictureGoal picture_goal(const SamplingGoal& sampling, int threads) {
+  return {.cpu_seconds = sampling.seconds * threads, .relative_error = sampling.relative_error};
 }
 
 double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads) {

@@ -64,11 +64,19 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
 /// and .5 %; a fortieth of the picture's rays, as far as they can be foretold.
 BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads);
 
-/// The options of pass one for a picture, over what the user asks for. `cpu_seconds`: all that the picture may
-/// take; pass one then has fewer elements where it would take more than 15 % of that (by its usual pace, and
-/// not fewer than 2048 or one for eight triangles); 0: as long as it takes.
+/// What pass one is to suit. 0: not known, nothing is asked for.
+struct PictureGoal {
+  double cpu_seconds = 0.0;     ///< that the picture may take
+  double relative_error = 0.0;  ///< that it may have
+};
+/// The goal of a picture that is rendered until `sampling` is met.
+PictureGoal picture_goal(const SamplingGoal& sampling, int threads);
+/// The options of pass one for a picture, over what the user asks for: elements in inverse proportion to its error,
+/// and fewer where pass one would take more than 15 % of its time (by its usual pace, and not fewer than 2048 or one
+/// for eight triangles).
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
-                                   const PixelWindow& window, RadiosityOptions asked, double cpu_seconds = 0.0);
+                                   const PixelWindow& window, RadiosityOptions asked,
+                                   const PictureGoal& goal = {});
 
 /// Of the rays of a picture, about as many more go into its certificate.
 inline constexpr double certificate_share = 0.05;

@@ -226,7 +226,7 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
     console.detail("skipped: " + skipped.what + ", because " + skipped.why);
   const RadiosityOptions radiosity =
       radiosity_options(settings.integrator, settings.limits, camera, whole,
-                        options.radiosity.settle(settings.seed), settings.goal.seconds * s.threads);
+                        options.radiosity.settle(settings.seed), picture_goal(judged_by, s.threads));
   GroupedIrradiance stored_groups;
   const PreparedPassOne pass_one =
       run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, console, s, stored_groups);

@@ -105,6 +105,40 @@ TEST(PassOne, TheGuideIsForThePicturesRays) {
   EXPECT_GT(all, few);
 }
 
+// Not below what a gathered picture needs, nor above what is worth its time.
+TEST(PassOne, ElementsFollowTheErrorThatIsAskedFor) {
+  const Room room;
+  constexpr PixelWindow picture{{0, 0}, {512, 512}};
+  const Camera camera{{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
+                      picture.size.x,
+                      picture.size.y};
+  const auto elements = [&](double error) {
+    return element_limit(room.scene, radiosity_options(IntegratorKind::two_pass, {}, camera, picture, {},
+                                                       {.relative_error = error}));
+  };
+  EXPECT_EQ(elements(0.0), 4096u);  // nothing is asked for
+  EXPECT_EQ(elements(0.03), 4096u);
+  EXPECT_EQ(elements(0.04), 3072u);
+  EXPECT_EQ(elements(0.02), 6144u);
+  EXPECT_EQ(elements(0.5), 2048u);
+  EXPECT_EQ(elements(0.001), 8192u);
+  // Small pictures have as many as they need by default, and more for less error.
+  const auto elements_of_small = [&](double error) {
+    return element_limit(room.scene, radiosity_options(IntegratorKind::two_pass, {}, room.camera, window, {},
+                                                       {.relative_error = error}));
+  };
+  EXPECT_EQ(elements_of_small(0.03), 2048u);
+  EXPECT_EQ(elements_of_small(0.01), 6144u);
+  EXPECT_EQ(solve_radiosity(room.scene, radiosity_options(IntegratorKind::two_pass, {}, room.camera, window, {},
+                                                          {.relative_error = 0.02}))
+                    .mesh()
+                    .count() /
+                1000,
+            3u);
+  const SamplingGoal goal{0, 0.0, 0.02};
+  EXPECT_EQ(picture_goal(goal, 2).relative_error, 0.02);
+}
+
 TEST(PassOne, TheBiasThatIsAllowedFollowsTheNoiseThatIsAskedFor) {
   EXPECT_DOUBLE_EQ(bias_goal({16, 0.0, 0.0}, window, 1).most, 0.005);
   EXPECT_DOUBLE_EQ(bias_goal({0, 0.0, 0.03}, window, 1).most, 0.005);
