@@ -21,7 +21,7 @@ constexpr std::size_t least_elements_rays = 8192, most_elements_rays = 262144;
 constexpr std::size_t default_elements_analytic = 1500;
 // For pictures that are gathered: an element for 64 pixels, 64 rays an element. Measured in the Cornell box,
 // the cove and the hidden room: pass one takes half the time, the bias of the picture stays within .5 %.
-constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048;
+constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048, least_elements_affordable = 1024;
 constexpr double usual_error = 0.03;  // of a picture, for which that was measured
 constexpr std::uint32_t rays_of_a_gathered_element = 64;
 // Adaptive substructuring starts with this part of the elements, and its pilot solutions, which only have to
@@ -61,13 +61,16 @@ void refuse_form_factors(const char* solver, FormFactorMethod method, FormFactor
   throw Error(solver, what, "leave --form-factors out");
 }
 
-// For a picture of so many pixels and of such an error.
+// For a picture of so many pixels and of such an error, as far as there is time.
 std::size_t elements_for_gathering(const RadiosityOptions& options) {
   constexpr auto least = double{least_elements_gathered}, most = double{least_elements_rays};
   const double of_pixels =
       std::clamp(static_cast<double>(options.gathered_pixels) / pixels_of_an_element, least, most);
   const double fit = std::clamp(of_pixels * usual_error / options.picture_error, least, most);
-  return std::min(static_cast<std::size_t>(fit) << (2 * options.refinement), most_elements_rays);
+  std::size_t elements = std::min(static_cast<std::size_t>(fit) << (2 * options.refinement), most_elements_rays);
+  if (options.affordable_elements > 0)
+    elements = std::min(elements, std::max(options.affordable_elements, least_elements_affordable));
+  return elements;
 }
 
 Choice choose(const Scene& scene, const RadiosityOptions& options) {

@@ -14,9 +14,11 @@ namespace {
 // A guide costs about this many rays: where fewer are to be cast, it would only cost.
 constexpr double rays_of_guide = 1e6;
 
-// Of the time that a picture may take, and what pass one costs for each pixel of it, look-ups included:
-// measured in the scenes of scenes/ (2 to 4 microseconds of CPU).
-constexpr double share_of_pass_one = 0.15, seconds_of_a_pixel = 3e-6;
+// Of the time that a picture may take, and what pass one costs for each element, look-ups included: measured in
+// the scenes of scenes/ (130 to 250 microseconds of CPU).
+constexpr double share_of_pass_one = 0.15, seconds_of_an_element = 2e-4;
+// Of a thread, of CPU time.
+constexpr double rays_a_second = 5e6;
 
 // Most diffuse reflections that the solution may hold; -1: all.
 int max_reflections_of(IntegratorKind integrator, const PathLimits& limits) {
@@ -116,8 +118,11 @@ bool refine(const PassOneJob& job, const Certificate& found, double most_bias, c
   const ElementMesh& mesh = done.solution->mesh();
   RadiosityOptions most = job.radiosity;
   most.refinement = 1;
-  // At most twice as many, so that what comes next is better informed.
-  const std::size_t limit = std::min(element_limit(job.scene, most), 2 * mesh.count());
+  most.affordable_elements = 0;
+  // At most twice as many, so that what comes next is better informed; few, where there is hardly time for these.
+  const bool is_short = job.radiosity.affordable_elements > 0 && job.radiosity.affordable_elements < 2 * mesh.count();
+  const std::size_t limit =
+      std::min(element_limit(job.scene, most), is_short ? mesh.count() + mesh.count() / 4 : 2 * mesh.count());
   if (limit < mesh.count() + 3) return false;
   const std::vector<double> guilt = guilt_of(mesh, done.solution->irradiances(), found.of_element);
   const double all = std::accumulate(guilt.begin(), guilt.end(), 0.0);
@@ -143,10 +148,9 @@ RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& 
   if (integrator != IntegratorKind::two_pass) return asked;
   asked.gathered_pixels = static_cast<std::size_t>(camera.width()) * static_cast<std::size_t>(camera.height());
   if (goal.relative_error > 0.0) asked.picture_error = goal.relative_error;
-  if (goal.cpu_seconds > 0.0) {
-    const auto affordable = static_cast<std::size_t>(share_of_pass_one * goal.cpu_seconds / seconds_of_a_pixel);
-    asked.gathered_pixels = std::clamp<std::size_t>(affordable, 1, asked.gathered_pixels);
-  }
+  if (goal.cpu_seconds > 0.0)
+    asked.affordable_elements = std::max<std::size_t>(
+        1, static_cast<std::size_t>(share_of_pass_one * goal.cpu_seconds / seconds_of_an_element));
   asked.view = view_rays(camera, window, asked.seed);
   return asked;
 }
@@ -156,14 +160,27 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
   return prepare(std::move(job), particles);
 }
 
-PictureGoal picture_goal(const SamplingGoal& sampling, int threads) {
-  return {.cpu_seconds = sampling.seconds * threads, .relative_error = sampling.relative_error};
+PictureGoal picture_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads,
+                         const std::optional<ViewProbe>& probe) {
+  PictureGoal goal{.rays = rays_of(sampling, window, threads),
+                   .cpu_seconds = sampling.seconds * threads,
+                   .relative_error = sampling.relative_error};
+  const double e = sampling.relative_error;
+  if (!probe || (sampling.samples_per_pixel == 0 && !(e > 0.0))) return goal;
+  double paths = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel * probe->paths_of_a_sample()
+                                                : std::numeric_limits<double>::infinity();
+  if (e > 0.0) paths = std::min(paths, probe->variance / (e * e));
+  goal.rays = paths * probe->rays * window.size.x * window.size.y;
+  const double seconds = goal.rays / rays_a_second;
+  if (!(goal.cpu_seconds > 0.0)) goal.cpu_seconds = seconds;
+  goal.cpu_seconds = std::min(goal.cpu_seconds, seconds);
+  goal.rays = goal.cpu_seconds * rays_a_second;
+  return goal;
 }
 
 double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
-  // A sample takes about three rays, and a thread casts some five million a second; the variance of a sample is
-  // a tenth of the square of its mean.
-  constexpr double rays_of_a_sample = 3.0, rays_a_second = 5e6, variance = 0.1;
+  // A sample takes about three rays; its variance is a tenth of the square of its mean.
+  constexpr double rays_of_a_sample = 3.0, variance = 0.1;
   const double e = sampling.relative_error;
   double samples = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel : infinity_f;
   if (e > 0.0) samples = std::min(samples, variance / (e * e));

@@ -70,8 +70,8 @@ class Subject {
     Plan plan = plan_render(needs_, kind, limits_);
     if (options_.keep_pass_one) return plan;
     const PixelWindow window{{0, 0}, size_};
-    goal = picture_goal(options_.picture, 1);
-    fit_to_view(plan, kind, scene_, camera_, window, limits_, 0);
+    goal = picture_goal(options_.picture, window, 1,
+                        fit_to_view(plan, kind, scene_, camera_, window, limits_, 0, rays_of(options_.picture, window, 1)));
     return plan;
   }
 
@@ -84,7 +84,7 @@ class Subject {
                    .plan = plan,
                    .integrator = kind,
                    .radiosity = std::move(radiosity),
-                   .picture_rays = rays_of(options_.picture, {{0, 0}, size_}, 1)};
+                   .picture_rays = goal.rays};
     const bool is_judged = options_.is_judged && kind == IntegratorKind::two_pass && plan.radiosity_pass;
     PreparedPassOne done =
         is_judged ? prepare_within_bias(std::move(job), camera_, {{0, 0}, size_}, limits_,
