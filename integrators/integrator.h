@@ -32,6 +32,7 @@ struct Seen {
 };
 
 struct SampleLayers;
+class ReadErrors;
 
 /// One camera ray, the numbers that its path may draw, and room for what it sees.
 struct PathSample {
@@ -41,6 +42,7 @@ struct PathSample {
   float reach = infinity_f;  ///< what lies further along the ray is not seen
   RayCone cone{};            ///< of the ray; integrators widen it. Closed: textures are looked at in points.
   SampleLayers* layers = nullptr;  ///< filled in, too, where there is one
+  ReadErrors* errors = nullptr;    ///< filled in by `Unbiased`, too, where there are such (I20)
 };
 
 /// Limits on the paths that carry light. Edges are counted as in Mitsuba: 1 is emitted light only, 2 direct

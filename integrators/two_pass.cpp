@@ -1,7 +1,7 @@
 #include "integrators/two_pass.h"
 
+#include "integrators/look_up.h"
 #include "integrators/trace.h"
-#include "radiosity/weights_from_afar.h"
 
 namespace twopass {
 
@@ -40,12 +40,6 @@ Step step_after(Known known, Vertex& vertex) {
 }
 
 }  // namespace
-
-bool TwoPass::resolves(const Vertex& vertex) const {
-  if (vertex.element() == no_index) return false;
-  const float size = solution_->mesh().size(vertex.element());
-  return size > 0.0f && vertex.distance() >= contact_elements * size;  // 0: all of it is buried
-}
 
 IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
   if (!field_ || is_black(diffuse_reflectance(vertex.bsdf()))) return {};
@@ -95,7 +89,8 @@ Step TwoPass::at(Vertex& vertex) const {
   if (is_specular(vertex.bsdf())) return Step::scatter;
   // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
   if (vertex.gathers() && vertex.scatterings() >= least_scatterings_ &&
-      !is_black(diffuse_reflectance(vertex.bsdf())) && resolves(vertex)) {
+      !is_black(diffuse_reflectance(vertex.bsdf())) &&
+      resolves(solution_->mesh(), vertex.element(), vertex.distance())) {
     const Irradiance& irradiance = solution_->irradiances()[vertex.element()];
     vertex.add(vertex.diffuse_albedo() * irradiance.total() * (1.0f / pi_f), irradiance, LookUp::element);
     return after_look_up(vertex);

@@ -47,7 +47,6 @@ class TwoPass final : public Integrator {
  private:
   void look_ahead(Vertex& vertex) const;
   [[nodiscard]] Step at(Vertex& vertex) const;
-  [[nodiscard]] bool resolves(const Vertex& vertex) const;
   void add_caustics(Vertex& vertex) const;
   [[nodiscard]] IndirectField::LookUp look_up(const Vertex& vertex) const;
 

@@ -1,5 +1,7 @@
 #include "integrators/unbiased.h"
 
+#include "integrators/look_up.h"
+#include "integrators/read_errors.h"
 #include "integrators/trace.h"
 
 namespace twopass {
@@ -80,6 +82,8 @@ Step Unbiased::at(Vertex& vertex) const {
   // The solution knows what is reflected diffusely: others go on as in the path tracer.
   if (!is_black(diffuse_reflectance(vertex.bsdf()))) {
     Irradiance rest = solution_->irradiances()[element];
+    if (vertex.sample().errors) [[unlikely]]
+      record(vertex, rest);
     C3f known(0.0f);
     if (certain_ && std::holds_alternative<Diffuse>(vertex.bsdf()) && certain_->knows(element) &&
         point.shading.n == point.geometric_normal) {
@@ -91,6 +95,18 @@ Step Unbiased::at(Vertex& vertex) const {
   }
   if (guide_) vertex.guide_by(guide_->at(element, point.geometric_normal));
   return step;
+}
+
+// (I20). What others than Lambert's surfaces reflect is more than the solution knows: theirs is left to the vertex
+// before.
+void Unbiased::record(const Vertex& vertex, const Irradiance& irradiance) const {
+  if (!std::holds_alternative<Diffuse>(vertex.bsdf())) return;
+  ReadErrors& errors = *vertex.sample().errors;
+  if (!errors.has_begun() && !(vertex.gathers() && resolves(solution_->mesh(), vertex.element(), vertex.distance())))
+    return;
+  errors.arrive(vertex.element(), static_cast<double>(mean_component(vertex.sample().seen.radiance)),
+                static_cast<double>(
+                    mean_component(vertex.throughput() * reflected_radiance(vertex.bsdf(), irradiance))));
 }
 
 // Adds the direct light that is known, and says how much it is.

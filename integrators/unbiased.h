@@ -25,6 +25,7 @@ class Unbiased final : public Integrator {
  private:
   void look_ahead(Vertex& vertex) const;
   [[nodiscard]] Step at(Vertex& vertex) const;
+  void record(const Vertex& vertex, const Irradiance& irradiance) const;
   C3f add_direct(Vertex& vertex, std::uint32_t element) const;
 
   const Scene& scene_;

@@ -298,6 +298,7 @@ class Vertex {
   [[nodiscard]] const SurfacePoint& point() const { return point_; }
   [[nodiscard]] const C3f& throughput() const { return carried_->throughput; }
   [[nodiscard]] Sampler& sampler() { return sample_->sampler; }
+  [[nodiscard]] const PathSample& sample() const { return *sample_; }
   /// What the sample is expected to see, W/(m2 sr): kept for the integrator, black at first.
   [[nodiscard]] C3f& expected() { return carried_->expected; }
   /// Length of the edge that led to the vertex.

@@ -187,6 +187,10 @@ void ElementMesh::find_reflectances() {
 }
 
 ElementMesh ElementMesh::split(const std::vector<bool>& chosen) const {
+  return cut(std::vector<std::uint8_t>(chosen.begin(), chosen.end()));
+}
+
+ElementMesh ElementMesh::cut(std::span<const std::uint8_t> times) const {
   ElementMesh result(*this);
   result.place_.clear();
   std::vector<Place> clusters;
@@ -199,14 +203,14 @@ ElementMesh ElementMesh::split(const std::vector<bool>& chosen) const {
       continue;
     }
     if (root.first_element == no_index) root.first_element = static_cast<std::uint32_t>(result.place_.size());
-    const ElementCell whole = cell(element);
-    const std::uint32_t level = level_of(place.cell) + 1;
-    if (!chosen[element] || 2 * whole.divisions > most_divisions) {
-      result.place_.push_back(place);
-      continue;
-    }
-    for (int child = 0; child < 4; ++child)
-      result.place_.push_back({place.root, pack(child_cell(whole, child), level)});
+    const auto descend = [&](const auto& self, const ElementCell& part, std::uint32_t level, int left) -> void {
+      if (left == 0 || 2 * part.divisions > most_divisions) {
+        result.place_.push_back({place.root, pack(part, level)});
+        return;
+      }
+      for (int child = 0; child < 4; ++child) self(self, child_cell(part, child), level + 1, left - 1);
+    };
+    descend(descend, cell(element), level_of(place.cell), times[element]);
   }
   const auto first_cluster = static_cast<std::uint32_t>(result.place_.size());
   for (std::size_t k = 0; k < member_.size(); ++k) {

@@ -75,6 +75,8 @@ class ElementMesh {
   /// The same with the chosen elements cut into four, or as far as that is possible: cells of the finest grid
   /// and clusters stay as they are. REQUIRES: one flag an element. The new elements are wholly exposed.
   [[nodiscard]] ElementMesh split(const std::vector<bool>& chosen) const;
+  /// The same with each element cut so many times into four.
+  [[nodiscard]] ElementMesh cut(std::span<const std::uint8_t> times) const;
 
   /// An element, and where in it: barycentric coordinates of its corners 1 and 2 in the order of
   /// `cell_corners`; in a cluster, those of the triangle that was hit.

@@ -235,7 +235,7 @@ class IndirectFieldBuilder {
   }
 
   // Divides the cells that are too coarse where enough of the picture's rays start, and gathers at the new
-  // vertices. Returns the new cells (R52).
+  // vertices. Returns the new cells (R53).
   std::vector<std::uint32_t> divide(std::span<const std::uint32_t> pending, int level) {
     for (const std::uint32_t c : pending)
       if (verdict_[c] == Verdict::trusted)

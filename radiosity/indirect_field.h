@@ -24,7 +24,7 @@ struct IndirectFieldOptions {
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
   /// By element: about how many rays of the picture start there; elements that are too coarse to be trusted are
-  /// divided where that pays (R52). Empty: nowhere.
+  /// divided where that pays (R53). Empty: nowhere.
   std::vector<double> rays_there{};
   std::uint32_t least_rays = 64, most_rays = 512;
   std::uint32_t seed = 0;
@@ -72,7 +72,7 @@ class IndirectField {
   }
 
   /// What diffuse surfaces send to a surface there whose normal is not quite that of the element, `flat`: on its
-  /// side, and of what at() finds without the lamps' part (R53), W/m2. REQUIRES: at() knows it.
+  /// side, and of what at() finds without the lamps' part (R54), W/m2. REQUIRES: at() knows it.
   [[nodiscard]] C3f tilted(const C3f& irradiance, const ElementMesh::Location& location, const V3f& flat,
                            const V3f& normal) const;
   /// The light of lamps in what at() finds there, W/m2.

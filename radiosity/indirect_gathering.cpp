@@ -170,7 +170,7 @@ C3d Gathering::sent_from(const Ray& ray, const Landing& landing, Sampler& sample
   return found;
 }
 
-// What a surface reflects that is nearer than elements resolve (R52): its light is sampled and gathered there.
+// What a surface reflects that is nearer than elements resolve (R53): its light is sampled and gathered there.
 C3d Gathering::reflected_at_contact(const Landing& landing, Sampler& sampler, C3d& caustic,
                                     std::uint64_t& rays) const {
   const SurfacePoint& point = landing.point;

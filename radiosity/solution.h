@@ -52,6 +52,9 @@ std::size_t element_limit(const Scene& scene, const RadiosityOptions& options);
 /// Throws Error when the chosen method cannot handle so many elements, Interrupted when the user stops it.
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options = {},
                          const CausticParticles* caustics = nullptr);
+/// The same on the elements of a solution of the scene, each of them cut so many times into four.
+Solution solve_radiosity_again(const Scene& scene, const Solution& before, std::span<const std::uint8_t> cuts,
+                               const RadiosityOptions& options, const CausticParticles* caustics = nullptr);
 /// The same on the elements of another solution, of a scene with the same surfaces and materials under other
 /// lights.
 Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,

@@ -21,7 +21,8 @@ constexpr std::size_t least_elements_rays = 8192, most_elements_rays = 262144;
 constexpr std::size_t default_elements_analytic = 1500;
 // For pictures that are gathered: an element for 64 pixels, 64 rays an element. Measured in the Cornell box,
 // the cove and the hidden room: pass one takes half the time, the bias of the picture stays within .5 %.
-constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048;
+constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048, least_elements_affordable = 1024;
+constexpr double usual_error = 0.03;  // of a picture, for which that was measured
 constexpr std::uint32_t rays_of_a_gathered_element = 64;
 // Adaptive substructuring starts with this part of the elements, and its pilot solutions, which only have to
 // show where the light changes, with so many rays an element.
@@ -60,6 +61,18 @@ void refuse_form_factors(const char* solver, FormFactorMethod method, FormFactor
   throw Error(solver, what, "leave --form-factors out");
 }
 
+// For a picture of so many pixels and of such an error, as far as there is time.
+std::size_t elements_for_gathering(const RadiosityOptions& options) {
+  constexpr auto least = double{least_elements_gathered}, most = double{least_elements_rays};
+  const double of_pixels =
+      std::clamp(static_cast<double>(options.gathered_pixels) / pixels_of_an_element, least, most);
+  const double fit = std::clamp(of_pixels * usual_error / options.picture_error, least, most);
+  std::size_t elements = std::min(static_cast<std::size_t>(fit) << (2 * options.refinement), most_elements_rays);
+  if (options.affordable_elements > 0)
+    elements = std::min(elements, std::max(options.affordable_elements, least_elements_affordable));
+  return elements;
+}
+
 Choice choose(const Scene& scene, const RadiosityOptions& options) {
   Choice choice;
   const bool by_rays = options.solver == Solver::hierarchical ||
@@ -81,12 +94,8 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
                              options.solver == Solver::automatic && options.max_elements == 0;
   choice.is_for_gathering = all_automatic && options.gathered_pixels > 0;
   if (by_rays) {
-    std::size_t least = least_elements_rays;
-    if (choice.is_for_gathering)
-      least = std::clamp(options.gathered_pixels / pixels_of_an_element, least_elements_gathered, least);
-    choice.max_elements = std::clamp(sides / 8, least, most_elements_rays);
-    if (choice.is_for_gathering)
-      choice.max_elements = std::min(choice.max_elements << (2 * options.refinement), most_elements_rays);
+    choice.max_elements = std::clamp(
+        sides / 8, choice.is_for_gathering ? elements_for_gathering(options) : least_elements_rays, most_elements_rays);
   }
   if (choice.solver == Solver::lu)
     choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
@@ -259,10 +268,11 @@ ElementMesh final_elements(const Scene& scene, ElementMesh mesh, const Radiosity
   return mesh;
 }
 
-// On elements that are wholly exposed.
+// On elements that are wholly exposed. `rays`: that were cast before.
 Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options, const Choice& choice,
-                    const CausticParticles* shot, bool is_final) {
+                    const CausticParticles* shot, bool is_final, std::uint64_t rays = 0) {
   RadiosityStats stats;
+  stats.rays = rays;
   stats.max_reflections = options.max_reflections;
   const bool is_dark =
       scene.lights().empty() && scene.environment().is_black() && scene.punctual_lights().empty();
@@ -281,6 +291,14 @@ Solution solve_from(const Scene& scene, ElementMesh mesh, const RadiosityOptions
   if (!is_final) mesh = final_elements(scene, std::move(mesh), options, choice, caustics, stats);
   std::vector<Irradiance> irradiance = solve_on(scene, mesh, options, choice, caustics, stats);
   return Solution(std::move(mesh), std::move(irradiance), std::move(stats));
+}
+
+// The same elements before what is buried of them was found: their areas are whole.
+ElementMesh whole(const Scene& scene, const ElementMesh& elements) {
+  ElementMesh::Saved saved = elements.save();
+  for (std::uint32_t i = 0; i < elements.count(); ++i)
+    saved.area[i] = static_cast<float>(elements.whole_area(i));
+  return std::move(*ElementMesh::restore(scene.shapes(), scene.description().materials, saved));
 }
 
 // Fills in what was left to the program.
@@ -306,17 +324,24 @@ Solution solve_radiosity(const Scene& scene, const RadiosityOptions& requested,
   return solve_from(scene, std::move(mesh), options, choice, caustics, false);
 }
 
+Solution solve_radiosity_again(const Scene& scene, const Solution& before, std::span<const std::uint8_t> cuts,
+                               const RadiosityOptions& requested, const CausticParticles* caustics) {
+  RadiosityOptions options = requested;
+  const Choice choice = settle(scene, options);
+  ElementMesh mesh = whole(scene, before.mesh()).cut(cuts);
+  std::uint64_t rays = 0;
+  if (!before.mesh().weights().empty() && !options.view.empty())
+    mesh.weigh(weights_from_afar(scene, mesh, options.view, options.seed, rays));
+  return solve_from(scene, std::move(mesh), options, choice, caustics, true, rays);
+}
+
 Solution solve_radiosity_on(const Scene& scene, const ElementMesh& elements,
                             const RadiosityOptions& requested) {
   RadiosityOptions options = requested;
   const Choice choice = settle(scene, options);
-  // What is buried is found again: their areas become whole.
-  ElementMesh::Saved saved = elements.save();
-  for (std::uint32_t i = 0; i < elements.count(); ++i)
-    saved.area[i] = static_cast<float>(elements.whole_area(i));
-  std::optional<ElementMesh> mesh = ElementMesh::restore(scene.shapes(), scene.description().materials, saved);
-  mesh->weigh(elements.weights());
-  return solve_from(scene, std::move(*mesh), options, choice, nullptr, true);
+  ElementMesh mesh = whole(scene, elements);
+  mesh.weigh(elements.weights());
+  return solve_from(scene, std::move(mesh), options, choice, nullptr, true);
 }
 
 }  // namespace twopass

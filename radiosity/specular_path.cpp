@@ -18,7 +18,7 @@ C3f glossy_part(const Bsdf& bsdf, const V3f& wo, const V3f& wi, const C3f& value
 }
 }  // namespace
 
-// (R51): the light that a lamp sends over the glossy part of the present surface.
+// (R52): the light that a lamp sends over the glossy part of the present surface.
 void SpecularPath::sample_lamps(const Bsdf& bsdf, const V3f& wo) {
   const SurfacePoint& point = end_.point;
   const Incident incident = sample_incident(scene_, point, bsdf, sampler_.next_2d());

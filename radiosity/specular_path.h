@@ -27,7 +27,7 @@ struct SpecularPathEnd {
 /// A path through reflections and refractions chosen at random, but for diffuse ones (R15). It arrives at every
 /// surface that diffuses or absorbs, and goes on from there by what else that scatters: the coat of plastics,
 /// the metal or glass in a mixture. It is absorbed at random once it carries little, and after 64 surfaces.
-/// Lamps are met by chance, or sampled at glossy surfaces, too (R51).
+/// Lamps are met by chance, or sampled at glossy surfaces, too (R52).
 class SpecularPath {
  public:
   /// Of a ray that has met, at `point`, a surface that scatters otherwise than diffusely. REQUIRES: scene and

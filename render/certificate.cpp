@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "integrators/read_errors.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 
@@ -40,7 +41,9 @@ double seen_by(const PathSample& sample) {
 
 // Samples [begin, end) of a batch. A batch is one sequence of Sobol points over picture and paths, scrambled by
 // itself: evenly spread, and independent of the other batches.
-Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, std::uint32_t end) {
+// `read`: what the samples say of the elements; null: nobody asks.
+Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, std::uint32_t end,
+           std::vector<ReadError>* read) {
   std::vector<PathSample> samples;
   for (std::uint32_t i = begin; i < end; ++i) {
     Sampler sampler(job.seed ^ own_seeds, batch, i);
@@ -53,35 +56,56 @@ Sums trace(const CertificateJob& job, std::uint32_t batch, std::uint32_t begin, 
   std::vector<PathSample> same = samples;
   Sums sums;
   job.biased.trace(samples, sums.counts);
+  std::vector<ReadErrors> errors(read ? same.size() : 0);
+  for (std::size_t i = 0; i < errors.size(); ++i) same[i].errors = &errors[i];
   job.unbiased.trace(same, sums.counts);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double biased = seen_by(samples[i]), unbiased = seen_by(same[i]);
     sums.biased += biased;
     sums.unbiased += unbiased;
     if (biased != unbiased) ++sums.different;
+    if (!read || !std::isfinite(mean_component(same[i].seen.radiance))) continue;
+    errors[i].end(unbiased);
+    read->insert(read->end(), errors[i].of_vertex().begin(), errors[i].of_vertex().end());
   }
   return sums;
 }
 
-// The samples [begin, end) of every batch, added to what the batches have. False: interrupted.
-bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end,
-               std::array<Sums, batches>& of_batch) {
+// Sums over all samples, by batch, and of what they read by element.
+struct AllSums {
+  std::array<Sums, batches> of_batch{};
+  std::vector<ElementError> of_element;
+};
+
+// The samples [begin, end) of every batch, added to what there is. False: interrupted.
+bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end, AllSums& all) {
   constexpr auto grain = static_cast<std::uint32_t>(bundle_size);
+  // What so many pieces read is kept at a time, and added up in order.
+  constexpr std::size_t most_pieces = 1024;
   const std::uint32_t pieces = (end - begin + grain - 1) / grain;
   std::vector<Sums> of_piece(std::size_t{batches} * pieces);
-  parallel_for(of_piece.size(), 1, [&](std::size_t first, std::size_t past) {
-    for (std::size_t k = first; k < past && !interrupt_requested(); ++k) {
-      const auto batch = static_cast<std::uint32_t>(k / pieces);
-      const std::uint32_t from = begin + static_cast<std::uint32_t>(k % pieces) * grain;
-      of_piece[k] = trace(job, batch, from, std::min(from + grain, end));
+  std::vector<std::vector<ReadError>> read(all.of_element.empty() ? 0 : std::min(most_pieces, of_piece.size()));
+  for (std::size_t start = 0; start < of_piece.size(); start += most_pieces) {
+    const std::size_t stop = std::min(start + most_pieces, of_piece.size());
+    parallel_for(stop - start, 1, [&](std::size_t first, std::size_t past) {
+      for (std::size_t k = start + first; k < start + past && !interrupt_requested(); ++k) {
+        const auto batch = static_cast<std::uint32_t>(k / pieces);
+        const std::uint32_t from = begin + static_cast<std::uint32_t>(k % pieces) * grain;
+        of_piece[k] = trace(job, batch, from, std::min(from + grain, end), read.empty() ? nullptr : &read[k - start]);
+      }
+    });
+    for (std::vector<ReadError>& errors : read) {
+      for (const ReadError& error : errors) all.of_element[error.element].add(error.carried, error.error);
+      errors.clear();
     }
-  });
-  for (std::size_t k = 0; k < of_piece.size(); ++k) of_batch[k / pieces].add(of_piece[k]);
+  }
+  for (std::size_t k = 0; k < of_piece.size(); ++k) all.of_batch[k / pieces].add(of_piece[k]);
   return !interrupt_requested();
 }
 
 // The quotient of the sums, and its standard error from the scatter of the batches (I14).
-std::optional<Certificate> conclude(const std::array<Sums, batches>& of_batch, std::uint32_t samples) {
+std::optional<Certificate> conclude(const AllSums& sums_of, std::uint32_t samples) {
+  const auto& [of_batch, of_element] = sums_of;
   Sums all;
   for (const Sums& sums : of_batch) all.add(sums);
   if (all.different < least_different || !(all.unbiased > 0.0)) return std::nullopt;
@@ -96,23 +120,26 @@ std::optional<Certificate> conclude(const std::array<Sums, batches>& of_batch, s
   result.ci95 = student_t * std::sqrt(squares / (batches - 1) / batches) / mean;
   result.samples = std::uint64_t{samples} * batches;
   result.counts = all.counts;
+  result.of_element = of_element;
+  for (ElementError& error : result.of_element) error.scale(1.0 / all.unbiased);
   return result;
 }
 
 }  // namespace
 
 std::optional<Certificate> certify(const CertificateJob& job) {
-  std::array<Sums, batches> of_batch{};
-  if (!trace_all(job, 0, pilot_samples, of_batch)) return std::nullopt;
-  const std::optional<Certificate> pilot = conclude(of_batch, pilot_samples);
+  AllSums all;
+  all.of_element.resize(job.elements);
+  if (!trace_all(job, 0, pilot_samples, all)) return std::nullopt;
+  const std::optional<Certificate> pilot = conclude(all, pilot_samples);
   // How many is decided once: samples that are added until the interval looks good would make it look too good.
   double rays = 0.0;
-  for (const Sums& sums : of_batch) rays += static_cast<double>(sums.counts.rays + sums.counts.shadow_rays);
+  for (const Sums& sums : all.of_batch) rays += static_cast<double>(sums.counts.rays + sums.counts.shadow_rays);
   const double wanted = pilot ? std::pow(pilot->ci95 / job.close_enough, 2.0) : infinity_f;
   const double factor = std::min({wanted, job.most_rays / rays, double{most_samples} / pilot_samples});
   const auto samples = static_cast<std::uint32_t>(pilot_samples * std::max(factor, 1.0));
-  if (samples > pilot_samples && !trace_all(job, pilot_samples, samples, of_batch)) return std::nullopt;
-  return conclude(of_batch, samples);
+  if (samples > pilot_samples && !trace_all(job, pilot_samples, samples, all)) return std::nullopt;
+  return conclude(all, samples);
 }
 
 }  // namespace twopass

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "integrators/integrator.h"
+#include "radiosity/adaptive.h"
 #include "render/scene/camera.h"
 
 namespace twopass {
@@ -18,6 +20,7 @@ struct CertificateJob {
   std::uint32_t seed = 0;
   double most_rays = 0.0;      ///< about as many, of all kinds; a pilot of 2048 samples is cast in any case
   double close_enough = 1e-3;  ///< no more samples than this half width of the interval seems to need
+  std::size_t elements = 0;    ///< of the solution that both read; 0: nobody asks which of them are wrong
 };
 
 /// What there is to say about a picture's mean over all pixels and channels, relative to the truth's: positive
@@ -27,6 +30,8 @@ struct Certificate {
   double ci95 = 0.0;  ///< half width of its 95 % interval
   std::uint64_t samples = 0;
   RayCounts counts;
+  /// By element, relative to the same mean: what the picture has from there, and of that, what is too much (I20).
+  std::vector<ElementError> of_element{};
 };
 
 /// Both integrators see the same camera rays and draw the same random numbers, so that what they do alike

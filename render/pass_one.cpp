@@ -1,6 +1,9 @@
 #include "render/pass_one.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <limits>
+#include <numeric>
 
 #include "radiosity/view_parts.h"
 
@@ -11,9 +14,11 @@ namespace {
 // A guide costs about this many rays: where fewer are to be cast, it would only cost.
 constexpr double rays_of_guide = 1e6;
 
-// Of the time that a picture may take, and what pass one costs for each pixel of it, look-ups included:
-// measured in the scenes of scenes/ (2 to 4 microseconds of CPU).
-constexpr double share_of_pass_one = 0.15, seconds_of_a_pixel = 3e-6;
+// Of the time that a picture may take, and what pass one costs for each element, look-ups included: measured in
+// the scenes of scenes/ (130 to 250 microseconds of CPU).
+constexpr double share_of_pass_one = 0.15, seconds_of_an_element = 2e-4;
+// Of a thread, of CPU time.
+constexpr double rays_a_second = 5e6;
 
 // Most diffuse reflections that the solution may hold; -1: all.
 int max_reflections_of(IntegratorKind integrator, const PathLimits& limits) {
@@ -64,41 +69,15 @@ GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, c
   return options;
 }
 
-}  // namespace
-
-RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
-                                   const PixelWindow& window, RadiosityOptions asked, double cpu_seconds) {
-  asked.max_reflections = max_reflections_of(integrator, limits);
-  if (integrator != IntegratorKind::two_pass) return asked;
-  asked.gathered_pixels = static_cast<std::size_t>(camera.width()) * static_cast<std::size_t>(camera.height());
-  if (cpu_seconds > 0.0) {
-    const auto affordable = static_cast<std::size_t>(share_of_pass_one * cpu_seconds / seconds_of_a_pixel);
-    asked.gathered_pixels = std::clamp<std::size_t>(affordable, 1, asked.gathered_pixels);
-  }
-  asked.view = view_rays(camera, window, asked.seed);
-  return asked;
-}
-
-PreparedPassOne prepare_pass_one(PassOneJob job) {
-  PreparedPassOne done;
-  if (!job.plan.radiosity_pass) return done;
-  Stopwatch stopwatch;
-  if (!job.solved || job.plan.caustic_map) {
-    const CausticParticles particles(job.scene, {.seed = job.radiosity.seed});
-    if (job.plan.caustic_map) done.caustics = std::make_unique<const CausticMap>(job.scene, particles);
-    done.caustics_time = stopwatch.elapsed();
-    stopwatch = Stopwatch();
-    if (!job.solved)
-      done.solution = std::make_unique<const Solution>(solve_radiosity(job.scene, job.radiosity, &particles));
-  }
-  if (job.solved) done.solution = std::make_unique<const Solution>(std::move(*job.solved));
-  done.solution_time = stopwatch.elapsed();
+// What is read of the solution.
+void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
   std::uint64_t rays = 0;
   std::vector<double> parts = parts_of(done.solution->mesh(),
                                        seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
   const std::vector<bool> seen = seen_elements(parts);
+  Stopwatch stopwatch;
+  done.guide.reset();
   if (job.plan.indirect_field) {
-    stopwatch = Stopwatch();
     IndirectFieldOptions options;
     options.seed = job.radiosity.seed;
     options.wanted = seen;
@@ -106,20 +85,104 @@ PreparedPassOne prepare_pass_one(PassOneJob job) {
     for (double& there : options.rays_there) there *= job.picture_rays;
     options.caustics = done.caustics.get();
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
-    done.field_time = stopwatch.elapsed();
+    done.field_time += stopwatch.elapsed();
   }
   if (job.plan.guide) {
     stopwatch = Stopwatch();
     done.guide = std::make_unique<const Guide>(job.scene, *done.solution, guide_options(job, done, seen));
-    done.guide_time = stopwatch.elapsed();
+    done.guide_time += stopwatch.elapsed();
   }
+}
+
+// `particles`: shot where they are needed, and kept for more than one solution.
+PreparedPassOne prepare(PassOneJob job, std::optional<CausticParticles>& particles) {
+  PreparedPassOne done;
+  if (!job.plan.radiosity_pass) return done;
+  Stopwatch stopwatch;
+  if (!job.solved || job.plan.caustic_map) {
+    particles.emplace(job.scene, CausticParticlesOptions{.seed = job.radiosity.seed});
+    if (job.plan.caustic_map) done.caustics = std::make_unique<const CausticMap>(job.scene, *particles);
+    done.caustics_time = stopwatch.elapsed();
+    stopwatch = Stopwatch();
+    if (!job.solved)
+      done.solution = std::make_unique<const Solution>(solve_radiosity(job.scene, job.radiosity, &*particles));
+  }
+  if (job.solved) done.solution = std::make_unique<const Solution>(std::move(*job.solved));
+  done.solution_time = stopwatch.elapsed();
+  prepare_reading(job, done);
   return done;
 }
 
+// Cuts the elements that paths found guilty, so that as much less guilt is left as the bias has to be smaller, and
+// solves again. False: there are none, or there are as many elements as there may be.
+bool refine(const PassOneJob& job, const Certificate& found, double most_bias, const CausticParticles& particles,
+            PreparedPassOne& done) {
+  const ElementMesh& mesh = done.solution->mesh();
+  RadiosityOptions most = job.radiosity;
+  most.refinement = 1;
+  most.affordable_elements = 0;
+  // At most twice as many, so that what comes next is better informed; few, where there is hardly time for these.
+  const bool is_short = job.radiosity.affordable_elements > 0 && job.radiosity.affordable_elements < 2 * mesh.count();
+  const std::size_t limit =
+      std::min(element_limit(job.scene, most), is_short ? mesh.count() + mesh.count() / 4 : 2 * mesh.count());
+  if (limit < mesh.count() + 3) return false;
+  const std::vector<double> guilt = guilt_of(mesh, done.solution->irradiances(), found.of_element);
+  const double all = std::accumulate(guilt.begin(), guilt.end(), 0.0);
+  const double part = std::clamp(0.5 * most_bias / std::abs(found.mean), 0.0, 0.5);
+  const std::vector<std::uint8_t> cuts = cuts_for(guilt, part * all, limit);
+  if (std::all_of(cuts.begin(), cuts.end(), [](std::uint8_t times) { return times == 0; })) return false;
+  const Stopwatch stopwatch;
+  // Field and guide are of the solution.
+  done.field.reset();
+  done.guide.reset();
+  done.solution = std::make_unique<const Solution>(
+      solve_radiosity_again(job.scene, *done.solution, cuts, job.radiosity, &particles));
+  done.solution_time += stopwatch.elapsed();
+  prepare_reading(job, done);
+  return true;
+}
+
+}  // namespace
+
+RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
+                                   const PixelWindow& window, RadiosityOptions asked, const PictureGoal& goal) {
+  asked.max_reflections = max_reflections_of(integrator, limits);
+  if (integrator != IntegratorKind::two_pass) return asked;
+  asked.gathered_pixels = static_cast<std::size_t>(camera.width()) * static_cast<std::size_t>(camera.height());
+  if (goal.relative_error > 0.0) asked.picture_error = goal.relative_error;
+  if (goal.cpu_seconds > 0.0)
+    asked.affordable_elements = std::max<std::size_t>(
+        1, static_cast<std::size_t>(share_of_pass_one * goal.cpu_seconds / seconds_of_an_element));
+  asked.view = view_rays(camera, window, asked.seed);
+  return asked;
+}
+
+PreparedPassOne prepare_pass_one(PassOneJob job) {
+  std::optional<CausticParticles> particles;
+  return prepare(std::move(job), particles);
+}
+
+PictureGoal picture_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads,
+                         const std::optional<ViewProbe>& probe) {
+  PictureGoal goal{.rays = rays_of(sampling, window, threads),
+                   .cpu_seconds = sampling.seconds * threads,
+                   .relative_error = sampling.relative_error};
+  const double e = sampling.relative_error;
+  if (!probe || (sampling.samples_per_pixel == 0 && !(e > 0.0))) return goal;
+  double paths = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel * probe->paths_of_a_sample()
+                                                : std::numeric_limits<double>::infinity();
+  if (e > 0.0) paths = std::min(paths, probe->variance / (e * e));
+  goal.rays = paths * probe->rays * window.size.x * window.size.y;
+  const double seconds = goal.rays / rays_a_second;
+  if (!(goal.cpu_seconds > 0.0)) goal.cpu_seconds = seconds;
+  goal.cpu_seconds = std::min(goal.cpu_seconds, seconds);
+  goal.rays = goal.cpu_seconds * rays_a_second;
+  return goal;
+}
+
 double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads) {
-  // A sample takes about three rays, and a thread casts some five million a second; the variance of a sample is
-  // a tenth of the square of its mean.
-  constexpr double rays_of_a_sample = 3.0, rays_a_second = 5e6, variance = 0.1;
+  // A sample takes about three rays; its variance is a tenth of the square of its mean.
+  constexpr double rays_of_a_sample = 3.0, variance = 0.1;
   const double e = sampling.relative_error;
   double samples = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel : infinity_f;
   if (e > 0.0) samples = std::min(samples, variance / (e * e));
@@ -145,14 +208,16 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
                                     const std::function<void(const std::string&)>& say) {
   // So that the samples are neither the picture's nor those of its certificate.
   constexpr std::uint32_t own_seeds = 0x6b79d8a1u;
-  const bool may_solve_again = goal.may_solve_again && !job.solved;
-  PreparedPassOne done = prepare_pass_one({.scene = job.scene,
-                                           .plan = job.plan,
-                                           .integrator = job.integrator,
-                                           .radiosity = job.radiosity,
-                                           .solved = std::move(job.solved),
-                                           .picture_rays = job.picture_rays});
-  bool has_refined = false;
+  constexpr int most_refinements = 2;
+  int refinements = goal.may_solve_again && !job.solved ? most_refinements : 0;
+  std::optional<CausticParticles> particles;
+  PreparedPassOne done = prepare({.scene = job.scene,
+                                  .plan = job.plan,
+                                  .integrator = job.integrator,
+                                  .radiosity = job.radiosity,
+                                  .solved = std::move(job.solved),
+                                  .picture_rays = job.picture_rays},
+                                 particles);
   for (std::uint32_t round = 0; done.solution; ++round) {
     PathLimits unclamped = limits;
     unclamped.clamp_direct = unclamped.clamp_indirect = infinity_f;
@@ -166,26 +231,18 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
                                                       .corner = window.corner,
                                                       .seed = job.radiosity.seed + own_seeds * (round + 1),
                                                       .most_rays = goal.rays,
-                                                      .close_enough = 0.3 * goal.most});
+                                                      .close_enough = 0.3 * goal.most,
+                                                      .elements = done.solution->mesh().count()});
     if (!found || std::abs(found->mean) - found->ci95 <= goal.most) return done;
     char text[160];
     std::snprintf(text, sizeof text, "two passes would be biased by %+.2f %% +- %.2f %%: ", 100.0 * found->mean,
                   100.0 * found->ci95);
     const Elapsed spent = done.time();
-    const bool has_time = goal.seconds <= 0.0 || 5.0 * spent.seconds <= goal.seconds;
-    if (may_solve_again && !has_refined && has_time) {
-      has_refined = true;
-      ++job.radiosity.refinement;
-      const std::size_t before = done.solution->mesh().count();
-      PreparedPassOne finer = prepare_pass_one({.scene = job.scene,
-                                                .plan = job.plan,
-                                                .integrator = job.integrator,
-                                                .radiosity = job.radiosity,
-                                                .picture_rays = job.picture_rays});
-      finer.solution_time += spent;
-      const std::size_t after = finer.solution->mesh().count();
-      done = std::move(finer);
-      say(text + std::to_string(after) + " elements instead of " + std::to_string(before));
+    const std::size_t before = done.solution->mesh().count();
+    if (refinements-- > 0 && (goal.seconds <= 0.0 || 3.0 * spent.seconds <= goal.seconds) &&
+        refine(job, *found, goal.most, *particles, done)) {
+      say(text + std::to_string(done.solution->mesh().count()) + " elements instead of " + std::to_string(before) +
+          ", finer where paths found light that was not right");
     } else if (!done.gathers_twice) {
       done.field.reset();
       done.gathers_twice = true;

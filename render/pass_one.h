@@ -14,6 +14,7 @@
 #include "render/plan.h"
 #include "render/sample_plan.h"
 #include "render/stopwatch.h"
+#include "render/view_probe.h"
 
 namespace twopass {
 
@@ -39,9 +40,9 @@ struct PassOneJob {
   IntegratorKind integrator;
   RadiosityOptions radiosity;           ///< with the seed of all that is random here
   std::optional<Solution> solved = {};  ///< used instead of solving
-  double picture_rays = 0.0;            ///< that the picture will take, about (rays_of()); 0: not known
+  double picture_rays = 0.0;            ///< that the picture is worth (PictureGoal); 0: not known
 };
-/// The guide has larger cells where its rays would be more than 15 % of the picture's.
+/// The guide has larger cells where its rays would be more than 15 % of what the picture is worth.
 PreparedPassOne prepare_pass_one(PassOneJob job);
 /// The rays of a picture that is rendered until `sampling` is met, as far as they can be foretold; 0: they cannot.
 double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads);
@@ -64,11 +65,23 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
 /// and .5 %; a fortieth of the picture's rays, as far as they can be foretold.
 BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads);
 
-/// The options of pass one for a picture, over what the user asks for. `cpu_seconds`: all that the picture may
-/// take; pass one then has fewer elements where it would take more than 15 % of that (by its usual pace, and
-/// not fewer than 2048 or one for eight triangles); 0: as long as it takes.
+/// What pass one is to suit. 0: not known, nothing is asked for.
+struct PictureGoal {
+  double rays = 0.0;            ///< that the picture is worth, of all kinds
+  double cpu_seconds = 0.0;     ///< that it may take
+  double relative_error = 0.0;  ///< that it may have
+};
+/// The goal of a picture that is rendered until `sampling` is met. It is worth the rays that paths would take to be as
+/// good without pass one, and may take that long, as far as a look at the view can foretell that, or as long as is
+/// said.
+PictureGoal picture_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads,
+                         const std::optional<ViewProbe>& probe);
+/// The options of pass one for a picture, over what the user asks for: elements in inverse proportion to its error,
+/// and fewer where pass one would take more than 15 % of its time (by its usual pace, and not fewer than 1024 or one
+/// for eight triangles).
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
-                                   const PixelWindow& window, RadiosityOptions asked, double cpu_seconds = 0.0);
+                                   const PixelWindow& window, RadiosityOptions asked,
+                                   const PictureGoal& goal = {});
 
 /// Of the rays of a picture, about as many more go into its certificate.
 inline constexpr double certificate_share = 0.05;

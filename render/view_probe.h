@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "render/plan.h"
 #include "render/scene/camera.h"
@@ -20,6 +21,9 @@ struct ViewProbe {
   /// How many times fewer rays two passes need for the same error, pass one not counted: what the solution
   /// brings is taken to keep a quarter of its variance, that of gathering it.
   [[nodiscard]] double gain() const;
+  /// How many paths are as good as one sample of two passes that looks most of the solution's light up: of its
+  /// variance a twentieth is left.
+  [[nodiscard]] double paths_of_a_sample() const;
 };
 
 /// 2048 pairs of paths, spread over 8x8 parts of the picture. Deterministic. `caustics_known`: pass one brings
@@ -31,10 +35,11 @@ ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow
 inline constexpr double least_gain = 1.15;
 
 /// Takes the radiosity pass of `two_pass` out of the plan where the view gains too little by it, or where the
-/// scene is so detailed and the picture so short that it would cost more than it saves. `picture_rays`: that two
-/// passes would take, about; 0: not known. Where a solution is there already (`has_solution`), it costs nothing.
-void fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene, const Camera& camera,
-                 const PixelWindow& window, const PathLimits& limits, std::uint32_t seed,
-                 double picture_rays = 0.0, bool has_solution = false);
+/// picture is so short that it would cost more than it saves. `picture_rays`: that two passes would take, about; 0: not
+/// known. Where a solution is there already (`has_solution`), it costs nothing. What was seen of the view; none where
+/// nobody had to look.
+std::optional<ViewProbe> fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene,
+                                     const Camera& camera, const PixelWindow& window, const PathLimits& limits,
+                                     std::uint32_t seed, double picture_rays = 0.0, bool has_solution = false);
 
 }  // namespace twopass

@@ -43,13 +43,13 @@ Solution load_fitting_solution(const Scene& scene, const std::string& file, int 
 // Pass one, with what the user should know about it.
 PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const RenderOptions& options,
                              const RenderSettings& settings, const SamplingGoal& goal, Plan& plan,
-                             const RadiosityOptions& radiosity, const Console& console,
+                             const RadiosityOptions& radiosity, double picture_rays, const Console& console,
                              RenderStatistics& statistics, GroupedIrradiance& stored_groups) {
   PassOneJob job{.scene = scene,
                  .plan = plan,
                  .integrator = settings.integrator,
                  .radiosity = radiosity,
-                 .picture_rays = rays_of(goal, {{0, 0}, {settings.width, settings.height}}, statistics.threads)};
+                 .picture_rays = picture_rays};
   Elapsed load_time;
   if (!plan.radiosity_pass) {
     for (const Skipped& skipped : plan.skipped)
@@ -220,16 +220,18 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   check_memory(settings.window.size, layout, console);
   // Of the whole picture, so that a part of it is the same bits.
   const PixelWindow whole{{0, 0}, {settings.width, settings.height}};
-  fit_to_view(plan, settings.integrator, scene, camera, whole, settings.limits, settings.seed,
-              rays_of(judged_by, whole, s.threads), !options.solution_file.empty());
+  const std::optional<ViewProbe> probe =
+      fit_to_view(plan, settings.integrator, scene, camera, whole, settings.limits, settings.seed,
+                  rays_of(judged_by, whole, s.threads), !options.solution_file.empty());
   for (const Skipped& skipped : plan.skipped)
     console.detail("skipped: " + skipped.what + ", because " + skipped.why);
-  const RadiosityOptions radiosity =
-      radiosity_options(settings.integrator, settings.limits, camera, whole,
-                        options.radiosity.settle(settings.seed), settings.goal.seconds * s.threads);
+  const PictureGoal picture = picture_goal(judged_by, whole, s.threads, probe);
+  const RadiosityOptions radiosity = radiosity_options(settings.integrator, settings.limits, camera, whole,
+                                                       options.radiosity.settle(settings.seed), picture);
   GroupedIrradiance stored_groups;
   const PreparedPassOne pass_one =
-      run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, console, s, stored_groups);
+      run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, picture.rays, console, s,
+                   stored_groups);
   const std::optional<GroupedLight> grouped =
       group_solution(scene, groups, std::move(stored_groups), pass_one, radiosity, console, s);
 

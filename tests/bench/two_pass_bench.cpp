@@ -25,6 +25,8 @@ struct Options {
   std::vector<std::string> integrators{"path", "unbiased", "twopass"}, scenes;
   std::vector<int> fixed_samples;
   int refinement = 0;
+  SamplingGoal picture;
+  bool is_judged = false;
   bool gathers = false, gathers_twice = false, by_noise = false, keep_pass_one = false;
   std::string write;
 };
@@ -64,19 +66,31 @@ class Subject {
 
   [[nodiscard]] V2i size() const { return size_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] Plan plan(IntegratorKind kind) const {
+  [[nodiscard]] Plan plan(IntegratorKind kind, PictureGoal& goal) const {
     Plan plan = plan_render(needs_, kind, limits_);
-    if (!options_.keep_pass_one) fit_to_view(plan, kind, scene_, camera_, {{0, 0}, size_}, limits_, 0);
+    if (options_.keep_pass_one) return plan;
+    const PixelWindow window{{0, 0}, size_};
+    goal = picture_goal(options_.picture, window, 1,
+                        fit_to_view(plan, kind, scene_, camera_, window, limits_, 0, rays_of(options_.picture, window, 1)));
     return plan;
   }
 
-  [[nodiscard]] PreparedPassOne prepare(IntegratorKind kind, const Plan& plan) const {
-    RadiosityOptions radiosity = radiosity_options(kind, limits_, camera_, {{0, 0}, size_}, {});
+  [[nodiscard]] PreparedPassOne prepare(IntegratorKind kind, const Plan& plan, const PictureGoal& goal) const {
+    RadiosityOptions radiosity = radiosity_options(kind, limits_, camera_, {{0, 0}, size_}, {}, goal);
     radiosity.gathered_pixels =
         static_cast<std::size_t>(options_.density * static_cast<double>(radiosity.gathered_pixels));
     radiosity.refinement = options_.refinement;
-    PreparedPassOne done = prepare_pass_one(
-        {.scene = scene_, .plan = plan, .integrator = kind, .radiosity = std::move(radiosity)});
+    PassOneJob job{.scene = scene_,
+                   .plan = plan,
+                   .integrator = kind,
+                   .radiosity = std::move(radiosity),
+                   .picture_rays = goal.rays};
+    const bool is_judged = options_.is_judged && kind == IntegratorKind::two_pass && plan.radiosity_pass;
+    PreparedPassOne done =
+        is_judged ? prepare_within_bias(std::move(job), camera_, {{0, 0}, size_}, limits_,
+                                        bias_goal(options_.picture, {{0, 0}, size_}, 1),
+                                        [](const std::string& step) { std::fprintf(stderr, "%s\n", step.c_str()); })
+                  : prepare_pass_one(std::move(job));
     if (options_.gathers) done.field.reset();
     done.gathers_twice = options_.gathers_twice;
     return done;
@@ -186,8 +200,9 @@ struct Row {
 Row measure(const Subject& subject, const Reference& reference, IntegratorKind kind, const Options& options,
             double path_seconds) {
   const std::string name(name_of_value<IntegratorKind>(integrator_names, kind));
-  const Plan plan = subject.plan(kind);
-  const PreparedPassOne pass_one = subject.prepare(kind, plan);
+  PictureGoal goal_of_pass_one;
+  const Plan plan = subject.plan(kind, goal_of_pass_one);
+  const PreparedPassOne pass_one = subject.prepare(kind, plan, goal_of_pass_one);
   const double before = pass_one.time().cpu_seconds;
   for (const Skipped& skipped : plan.skipped)
     std::fprintf(stderr, "%s: skipped: %s, because %s\n", name.c_str(), skipped.what.c_str(),
@@ -281,6 +296,10 @@ int main(int argc, char** argv) {
   app.add_option("--density", options.density,
                  "Elements of twopass, over those that a picture gets by default");
   app.add_option("--refinement", options.refinement, "How often the number of elements is quadrupled");
+  app.add_option("--for-spp", options.picture.samples_per_pixel,
+                 "Pass one as render has it for a picture of so many samples a pixel");
+  app.add_option("--for-noise", options.picture.relative_error, "Pass one as for a picture of this noise");
+  app.add_flag("--judge", options.is_judged, "Judge pass one by its bias, as render does");
   app.add_flag("--gather", options.gathers, "Look nothing up where the camera looks");
   app.add_flag("--gather-twice", options.gathers_twice, "Gather over one more surface");
   app.add_flag("--keep-pass-one", options.keep_pass_one, "Also where the view gains too little by it");

@@ -97,6 +97,92 @@ TEST(Adaptive, ChoosesTheWorstFirstAndNoMoreThanAllowed) {
   EXPECT_EQ(std::count(none.begin(), none.end(), true), 0);
 }
 
+// A twentieth of what is read of one shape is wrong; what single reads say scatters by twenty times as much, so
+// that no element can be told from its neighbours, but all together can.
+TEST(Adaptive, GuiltIsWhereErrorsAreMoreThanChance) {
+  const Scene scene(test::lit_room());
+  const ElementMesh mesh = divide_surfaces(scene, 2000);
+  std::vector<Irradiance> irradiance(mesh.count());
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    irradiance[i].direct = C3f(static_cast<float>(1.0 + mesh.centroid(i).position.x));
+  const std::uint32_t guilty = mesh.root(0).shape;
+  struct Guilt {
+    double of_guilty = 0.0, of_others = 0.0;  // of the mean element
+  };
+  const auto guilt_by = [&](double bias) {
+    constexpr std::uint32_t reads = 8;
+    std::vector<ElementError> errors(mesh.count());
+    for (std::uint32_t i = 0; i < mesh.count(); ++i)
+      for (std::uint32_t k = 0; k < reads; ++k) {
+        const double noise = 2.0 * static_cast<double>(Sampler(1, i, k).next_1d()) - 1.0;
+        errors[i].add(1.0, (mesh.root(i).shape == guilty ? bias : 0.0) + noise);
+      }
+    const std::vector<double> guilt = guilt_of(mesh, irradiance, errors);
+    Guilt sum;
+    double guilty_elements = 0.0, others = 0.0;
+    for (std::uint32_t i = 0; i < mesh.count(); ++i) {
+      const bool is_guilty = mesh.root(i).shape == guilty;
+      (is_guilty ? sum.of_guilty : sum.of_others) += guilt[i];
+      (is_guilty ? guilty_elements : others) += 1.0;
+    }
+    return Guilt{sum.of_guilty / guilty_elements, sum.of_others / others};
+  };
+  const Guilt found = guilt_by(0.05), chance = guilt_by(0.0);
+  EXPECT_GT(found.of_guilty, 4.0 * found.of_others);
+  EXPECT_GT(found.of_guilty, 4.0 * chance.of_guilty);
+}
+
+TEST(Adaptive, TheGuiltiestAreCutMostOftenUntilItIsEnough) {
+  std::vector<double> guilt(100, 1e-4);
+  guilt[17] = 1.0;
+  guilt[42] = 0.1;
+  const auto count = [](const std::vector<std::uint8_t>& cuts) {
+    std::size_t sum = 0;
+    for (const std::uint8_t times : cuts) sum += std::size_t{1} << (2 * times);
+    return sum;
+  };
+  const auto left = [&](const std::vector<std::uint8_t>& cuts) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < cuts.size(); ++i) sum += std::ldexp(guilt[i], -cuts[i]);
+    return sum;
+  };
+  const std::vector<std::uint8_t> some = cuts_for(guilt, 0.35, 100000);
+  EXPECT_LE(left(some), 0.35);
+  EXPECT_EQ(some[17], 2);
+  EXPECT_LE(some[42], 1);
+  EXPECT_EQ(some[0], 0);
+  EXPECT_LT(count(some), 150u);
+  // As far as elements reach: the more there may be, the less is left.
+  double before = infinity_f;
+  for (const std::size_t most : {110u, 200u, 500u, 3000u}) {
+    const std::vector<std::uint8_t> cuts = cuts_for(guilt, 0.0, most);
+    EXPECT_LE(count(cuts), most);
+    EXPECT_LT(left(cuts), before);
+    before = left(cuts);
+  }
+  for (const std::uint8_t times : cuts_for(std::vector<double>(5, 0.0), 0.0, 100)) EXPECT_EQ(times, 0);
+}
+
+// Each element in as many parts as its cuts say, in the same order, and all of them found where they are.
+TEST(Adaptive, ElementsAreCutAsOftenAsIsAsked) {
+  const Scene scene(test::lit_room());
+  const ElementMesh mesh = divide_surfaces(scene, 300);
+  std::vector<std::uint8_t> times(mesh.count());
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) times[i] = static_cast<std::uint8_t>(i % 4);
+  const ElementMesh finer = mesh.cut(times);
+  std::uint32_t next = 0;
+  for (std::uint32_t i = 0; i < mesh.count(); ++i)
+    for (std::uint32_t k = 0; k < 1u << (2 * times[i]); ++k, ++next)
+      EXPECT_NEAR(finer.whole_area(next), std::ldexp(mesh.whole_area(i), -2 * times[i]), 1e-6);
+  ASSERT_EQ(next, finer.count());
+  for (std::uint32_t i = 0; i < finer.count(); ++i) {
+    const V3f at = finer.centroid(i).ray_position();
+    const V3f normal(finer.centroid(i).normal);
+    const Ray ray{at + normal * 1e-4f, -normal};
+    EXPECT_EQ(finer.find(scene.surface_point(ray, scene.caster().intersect(ray))), i);
+  }
+}
+
 TEST(Adaptive, IsTheSameOnAnyNumberOfThreadsAndWithinItsBudget) {
   const Scene scene(test::lit_room());
   RadiosityOptions options = adaptive(1500);

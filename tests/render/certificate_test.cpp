@@ -1,5 +1,7 @@
 #include "render/certificate.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "integrators/make_integrator.h"
@@ -132,10 +134,88 @@ TEST(Certificate, IsTheSameOnAnyNumberOfThreads) {
   std::vector<Certificate> certificates;
   for (const int threads : {1, 3}) {
     const ThreadLimit limit(threads);
-    certificates.push_back(certify(room.job(*room.two_pass, 1, 1e5)).value());
+    CertificateJob job = room.job(*room.two_pass, 1, 1e5);
+    job.elements = room.solution.mesh().count();
+    certificates.push_back(certify(job).value());
+  }
+  for (std::size_t i = 0; i < room.solution.mesh().count(); ++i) {
+    EXPECT_EQ(certificates[0].of_element[i].error, certificates[1].of_element[i].error);
+    EXPECT_EQ(certificates[0].of_element[i].carried, certificates[1].of_element[i].carried);
   }
   EXPECT_EQ(certificates[0].mean, certificates[1].mean);
   EXPECT_EQ(certificates[0].ci95, certificates[1].ci95);
+}
+
+// What paths find wrong with the elements adds up to what the picture has too much (I20).
+TEST(Certificate, TheErrorsOfTheElementsAddUpToTheBias) {
+  const CoarseRoom room;
+  CertificateJob job = room.job(*room.two_pass, 5, 2e6);
+  job.close_enough = 1e-6;
+  job.elements = room.solution.mesh().count();
+  const std::optional<Certificate> found = certify(job);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->of_element.size(), job.elements);
+  ElementError sum;
+  for (const ElementError& error : found->of_element) {
+    sum.error += error.error;
+    sum.squares += error.squares;
+    sum.reads += error.reads;
+  }
+  EXPECT_GT(sum.reads, found->samples / 4);
+  EXPECT_NEAR(sum.error, found->mean, 1.1 * found->ci95 + 2.0 * std::sqrt(sum.squares));
+  // There is something to add up.
+  EXPECT_GT(std::abs(sum.error), 4.0 * std::sqrt(sum.squares));
+  job.elements = 0;
+  EXPECT_TRUE(certify(job)->of_element.empty());
+  EXPECT_EQ(certify(job)->mean, found->mean);
+}
+
+// Only what leaves one wall is wrong: by a third of what is read there.
+TEST(Certificate, KnowsTheElementsThatAreWrong) {
+  CoarseRoom room;
+  const Solution right = solve_radiosity(room.scene, CoarseRoom::coarse());
+  constexpr std::uint32_t wrong_wall = 5;  // far
+  std::vector<Irradiance> irradiance(right.irradiances().begin(), right.irradiances().end());
+  std::vector<bool> is_wrong(right.mesh().count());
+  for (std::uint32_t i = 0; i < right.mesh().count(); ++i) {
+    is_wrong[i] = right.mesh().root(i).shape == wrong_wall;
+    if (is_wrong[i]) irradiance[i] = {irradiance[i].direct * 1.5f, irradiance[i].indirect * 1.5f};
+  }
+  const Solution solution(right.mesh(), irradiance, right.stats());
+  const auto two_pass = make_integrator(IntegratorKind::two_pass, room.scene, {&solution}, {});
+  room.unbiased = make_integrator(IntegratorKind::unbiased, room.scene, {&solution}, {});
+  CertificateJob job = room.job(*two_pass, 7, 1e6);
+  job.close_enough = 1e-6;
+  job.elements = solution.mesh().count();
+  const std::vector<ElementError> errors = certify(job).value().of_element;
+  ElementError wrong, others;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    ElementError& sum = is_wrong[i] ? wrong : others;
+    sum.carried += errors[i].carried;
+    sum.error += errors[i].error;
+    sum.squares += errors[i].squares;
+  }
+  EXPECT_NEAR(wrong.error / wrong.carried, 1.0 / 3.0, 0.05);
+  // What they read of the wall is too much, so that they look too dark themselves, by less.
+  EXPECT_LT(others.error, 0.0);
+  EXPECT_GT(others.error / others.carried, -0.1);
+  // Told apart from noise and from where elements merely have contrast.
+  const std::vector<double> guilt = guilt_of(solution.mesh(), solution.irradiances(), errors);
+  double of_wrong = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < guilt.size(); ++i) {
+    if (is_wrong[i]) of_wrong += guilt[i];
+    all += guilt[i];
+  }
+  EXPECT_GT(of_wrong, 0.5 * all);
+  // So that most cuts are there.
+  const std::vector<std::uint8_t> cuts = cuts_for(guilt, 0.0, guilt.size() + 120);
+  int cut_wrong = 0, cut = 0;
+  for (std::size_t i = 0; i < guilt.size(); ++i) {
+    cut += cuts[i] > 0;
+    cut_wrong += cuts[i] > 0 && is_wrong[i];
+  }
+  EXPECT_GT(cut, 4);
+  EXPECT_GE(5 * cut_wrong, 4 * cut);
 }
 
 // Black but for a lamp: all samples agree, of which nothing follows.

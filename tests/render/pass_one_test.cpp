@@ -72,8 +72,9 @@ TEST(PassOne, IsSolvedAgainOnMoreElementsFirst) {
   BiasGoal goal{.most = -1.0, .rays = 5e4};
   const PreparedPassOne done = room.prepare(room.job(), goal);
   EXPECT_FALSE(done.solution);
-  ASSERT_EQ(room.said.size(), 3u);
+  ASSERT_EQ(room.said.size(), 4u);
   EXPECT_NE(room.said[0].find("elements instead of"), std::string::npos);
+  EXPECT_NE(room.said[1].find("elements instead of"), std::string::npos);
   // There is no time for that in a render of a tenth of a microsecond.
   goal.seconds = 1e-7;
   const PreparedPassOne short_of_time = room.prepare(room.job(), goal);
@@ -102,6 +103,103 @@ TEST(PassOne, TheGuideIsForThePicturesRays) {
   EXPECT_LE(few, 150000u);
   EXPECT_GE(few, 15000u);
   EXPECT_GT(all, few);
+}
+
+// Not below what a gathered picture needs, nor above what is worth its time.
+TEST(PassOne, ElementsFollowTheErrorThatIsAskedFor) {
+  const Room room;
+  constexpr PixelWindow picture{{0, 0}, {512, 512}};
+  const Camera camera{{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
+                      picture.size.x,
+                      picture.size.y};
+  const auto elements = [&](double error) {
+    return element_limit(room.scene, radiosity_options(IntegratorKind::two_pass, {}, camera, picture, {},
+                                                       {.relative_error = error}));
+  };
+  EXPECT_EQ(elements(0.0), 4096u);  // nothing is asked for
+  EXPECT_EQ(elements(0.03), 4096u);
+  EXPECT_EQ(elements(0.04), 3072u);
+  EXPECT_EQ(elements(0.02), 6144u);
+  EXPECT_EQ(elements(0.5), 2048u);
+  EXPECT_EQ(elements(0.001), 8192u);
+  // Small pictures have as many as they need by default, and more for less error.
+  const auto elements_of_small = [&](double error) {
+    return element_limit(room.scene, radiosity_options(IntegratorKind::two_pass, {}, room.camera, window, {},
+                                                       {.relative_error = error}));
+  };
+  EXPECT_EQ(elements_of_small(0.03), 2048u);
+  EXPECT_EQ(elements_of_small(0.01), 6144u);
+  EXPECT_EQ(solve_radiosity(room.scene, radiosity_options(IntegratorKind::two_pass, {}, room.camera, window, {},
+                                                          {.relative_error = 0.02}))
+                    .mesh()
+                    .count() /
+                1000,
+            3u);
+  const SamplingGoal goal{0, 0.0, 0.02};
+  EXPECT_EQ(picture_goal(goal, picture, 2, std::nullopt).relative_error, 0.02);
+}
+
+// A seventh of the time that paths would take to be as good, by the usual pace.
+TEST(PassOne, ShortPicturesHaveLessOfIt) {
+  const Room room;
+  constexpr PixelWindow picture{{0, 0}, {512, 512}};
+  const Camera camera{{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
+                      picture.size.x,
+                      picture.size.y};
+  // Half of the variance is left.
+  const ViewProbe probe{.variance = 0.1, .rays = 10.0, .variance_without = 0.045 / 0.95, .rays_without = 2.0};
+  EXPECT_NEAR(probe.paths_of_a_sample(), 2.0, 1e-9);
+  const auto elements = [&](const SamplingGoal& goal, const std::optional<ViewProbe>& seen) {
+    return element_limit(room.scene, radiosity_options(IntegratorKind::two_pass, {}, camera, picture, {},
+                                                       picture_goal(goal, picture, 2, seen)));
+  };
+  std::size_t before = 0;
+  for (const int samples : {1, 2, 3, 4, 8, 64, 1024}) {
+    const std::size_t n = elements({samples, 0.0, 0.0}, probe);
+    EXPECT_GE(n, before);
+    EXPECT_GE(n, 1024u);
+    EXPECT_LE(n, 4096u);
+    // A ray takes a fifth of a microsecond, an element a fifth of a millisecond.
+    if (n > 1024) {
+      EXPECT_LE(2e-4 * static_cast<double>(n), 0.15 * 2.0 * samples * 10.0 * 512 * 512 * 2e-7 + 2e-4);
+    }
+    before = n;
+  }
+  EXPECT_EQ(before, 4096u);
+  EXPECT_EQ(elements({1, 0.0, 0.0}, probe), 1024u);
+  EXPECT_EQ(elements({2, 0.0, 0.0}, probe), 1572u);
+  EXPECT_EQ(elements({1, 0.0, 0.0}, std::nullopt), 4096u);  // nothing is known
+  EXPECT_EQ(elements({0, 0.0, 0.03}, probe), 4096u);
+  EXPECT_EQ(elements({0, 0.0, 0.5}, probe), 1024u);
+  // Two threads have twice the time.
+  EXPECT_NEAR(static_cast<double>(elements({0, 1.0, 0.0}, probe)), 1500.0, 1.0);
+  EXPECT_EQ(elements({0, 0.01, 0.0}, probe), 1024u);
+  EXPECT_EQ(elements({0, 100.0, 0.0}, probe), 4096u);
+}
+
+// All rays of pass one, and those that paths would cast to be as good.
+TEST(PassOne, TakesItsShareOfAShortPicture) {
+  const Room room;
+  constexpr PixelWindow picture{{0, 0}, {64, 48}};
+  constexpr SamplingGoal goal{8, 0.0, 0.0};
+  const Camera camera{{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
+                      picture.size.x,
+                      picture.size.y};
+  const std::optional<ViewProbe> probe = probe_view(room.scene, camera, picture, {}, 0);
+  const auto share = [&](const PictureGoal& known) {
+    const PreparedPassOne done = prepare_pass_one(
+        {.scene = room.scene,
+         .plan = room.plan,
+         .integrator = IntegratorKind::two_pass,
+         .radiosity = radiosity_options(IntegratorKind::two_pass, {}, camera, picture, {}, known),
+         .picture_rays = known.rays});
+    const std::uint64_t rays = done.solution->stats().rays + done.field->rays() + done.guide->rays();
+    return static_cast<double>(rays) /
+           (probe->rays * probe->paths_of_a_sample() * goal.samples_per_pixel * picture.size.x * picture.size.y);
+  };
+  const double limited = share(picture_goal(goal, picture, 1, probe)), unlimited = share({});
+  EXPECT_LT(limited, 0.2) << unlimited;
+  EXPECT_GT(unlimited, 1.2 * limited);
 }
 
 TEST(PassOne, TheBiasThatIsAllowedFollowsTheNoiseThatIsAskedFor) {
