@@ -46,6 +46,14 @@ for mode in signed swipe side; do
   if "$program" compare $mode.png test.png --max mse=1e-5 --quiet 2>/dev/null; then fail "$mode looks like test"; fi
 done
 
+# Every picture is as wide on the page as it is meant to be.
+cp report.html whole.html
+sed "s|</body>|<script>for (const i of document.querySelectorAll('figure img')) document.body.append(\`(width \${i.clientWidth} of \${i.getAttribute('width')})\`)</script>&|" \
+  whole.html >report.html
+open '' --dump-dom | grep -o '(width [0-9]* of [0-9]*)' >widths || fail "no picture on the page"
+awk '{ sub(")", "", $4) } $2 != $4 { exit 1 }' widths || fail "pictures are squeezed: $(head -5 widths)"
+mv whole.html report.html
+
 # Where scripts are not allowed there are pictures and tables.
 sed "s/script-src 'unsafe-inline'/script-src 'none'/" report.html >page.html && mv page.html report.html
 dom=$(open '' --dump-dom)

@@ -46,7 +46,7 @@ Address parse_address(const std::string& text, const std::string& where) {
   return address;
 }
 
-bool Connection::open(const Address& address, const std::function<bool()>& go_on) {
+bool ViewerConnection::open(const Address& address, const std::function<bool()>& go_on) {
   close();
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
@@ -62,7 +62,7 @@ bool Connection::open(const Address& address, const std::function<bool()>& go_on
   return false;
 }
 
-bool Connection::send(std::span<const std::byte> bytes, const std::function<bool()>& go_on) {
+bool ViewerConnection::send(std::span<const std::byte> bytes, const std::function<bool()>& go_on) {
   while (is_open() && !bytes.empty()) {
     const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent > 0) {
@@ -76,7 +76,7 @@ bool Connection::send(std::span<const std::byte> bytes, const std::function<bool
   return is_open();
 }
 
-void Connection::close() {
+void ViewerConnection::close() {
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;
 }

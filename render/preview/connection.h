@@ -16,12 +16,12 @@ struct Address {
 Address parse_address(const std::string& text, const std::string& where);
 
 /// A TCP connection, closed when destroyed.
-class Connection {
+class ViewerConnection {
  public:
-  Connection() = default;
-  ~Connection() { close(); }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
+  ViewerConnection() = default;
+  ~ViewerConnection() { close(); }
+  ViewerConnection(const ViewerConnection&) = delete;
+  ViewerConnection& operator=(const ViewerConnection&) = delete;
 
   /// Tries every address of the host, a second each, as long as `go_on` says so. The result is open(); looking
   /// up the host's name may take as long as the system likes.

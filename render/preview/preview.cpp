@@ -121,7 +121,7 @@ struct Preview::State {
   const int blocks_x;
   std::vector<Block> blocks;
   std::vector<float> pixels;  // of each block, under its mutex
-  Connection connection;      // the thread's
+  ViewerConnection connection;      // the thread's
   std::mutex mutex;
   std::condition_variable wake;
   std::atomic<bool> stopping{false};

@@ -264,7 +264,8 @@ TEST_P(OneBounceTest, PathSeesTheAlbedo) {
   SceneDescription plate;
   test::add_diffuse(plate, "plate", test::quad(V3f(-1, -1, 0), V3f(2, 0, 0), V3f(0, 2, 0)), C3f(0.0f));
   std::get<Mesh>(plate.shapes[0].geometry).uvs = {V2f(0, 0), V2f(1, 0), V2f(1, 1), V2f(0, 1)};
-  plate.materials[0] = one_sided("plate", MaterialSide(GetParam().bsdf));
+  const Bsdf bsdf = GetParam().bsdf();
+  plate.materials[0] = one_sided("plate", MaterialSide(bsdf));
   SceneDescription in_sky = plate, in_lamp = plate;
   in_sky.environment = Environment(C3f(1.0f));
   test::add_diffuse(in_lamp, "lamp", Sphere{V3f(0.0f), 10.0f, true}, C3f(0.0f), C3f(1.0f));
@@ -278,7 +279,7 @@ TEST_P(OneBounceTest, PathSeesTheAlbedo) {
       const V3f origin(-0.3f, 0.9f, height), axis = V3f(0.1f, 0.2f, 0.0f) - origin;
       const Ray ray{origin, axis.normalized()};
       const SurfacePoint point = scene.surface_point(ray, scene.caster().intersect(ray));
-      const test::Estimate truth = albedo(GetParam().bsdf, point.shading.to_local(-ray.direction), 8000),
+      const test::Estimate truth = albedo(bsdf, point.shading.to_local(-ray.direction), 8000),
                            seen = mean_in_cone(*path, SamplerKind::independent, origin, axis, 1.0f, 500);
       const double error = std::hypot(truth.standard_error(), seen.standard_error());
       const double difference = std::max(0.0, std::abs(seen.mean() - truth.mean()) - 2e-5);

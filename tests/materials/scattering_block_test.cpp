@@ -19,7 +19,7 @@ RoughPlastic plastic(float alpha, const C3f& base, const C3f& specular, bool non
 // anything.
 std::vector<Bsdf> models() {
   std::vector<Bsdf> models;
-  for (const test::Case& c : test::cases()) models.push_back(c.bsdf);
+  for (const test::Case& c : test::cases()) models.push_back(c.bsdf());
   for (const float alpha : {1e-5f, 0.05f, 0.1f, 0.4f, 1.0f})
     for (const bool nonlinear : {false, true})
       models.push_back(plastic(alpha, C3f(0.8f, 0.3f, 0.1f), C3f(1.0f, 0.5f, 0.2f), nonlinear));
