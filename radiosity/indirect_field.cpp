@@ -234,8 +234,8 @@ class IndirectFieldBuilder {
                                                                                     : Verdict::too_coarse;
   }
 
-  // Divides the cells that are too coarse where enough of the picture's rays start, and gathers at the new
-  // vertices. Returns the new cells (R53).
+  // Divides the cells that are too coarse where that pays, and gathers at the new vertices. Returns the new cells
+  // (R53).
   std::vector<std::uint32_t> divide(std::span<const std::uint32_t> pending, int level) {
     for (const std::uint32_t c : pending)
       if (verdict_[c] == Verdict::trusted)
@@ -314,7 +314,7 @@ class IndirectFieldBuilder {
   }
 
   // A division costs about so many rays: those of a vertex and a half and of four middles, and at contacts.
-  static constexpr double rays_of_division = 8000.0;
+  static constexpr double rays_of_division = 32000.0;
 
   const Solution& solution_;
   const ElementMesh& mesh_;

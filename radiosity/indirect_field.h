@@ -23,8 +23,8 @@ struct IndirectFieldOptions {
   const CausticMap* caustics = nullptr;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
-  /// By element: about how many rays of the picture start there; elements that are too coarse to be trusted are
-  /// divided where that pays (R53). Empty: nowhere.
+  /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53). Empty:
+  /// none.
   std::vector<double> rays_there{};
   std::uint32_t least_rays = 64, most_rays = 512;
   std::uint32_t seed = 0;

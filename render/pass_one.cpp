@@ -82,7 +82,7 @@ void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
     options.seed = job.radiosity.seed;
     options.wanted = seen;
     options.rays_there = std::move(parts);
-    for (double& there : options.rays_there) there *= job.picture_rays;
+    for (double& there : options.rays_there) there *= share_of_pass_one * job.picture_rays;
     options.caustics = done.caustics.get();
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
     done.field_time += stopwatch.elapsed();
