@@ -47,6 +47,7 @@ Gathering::Gathering(const Scene& scene, const Solution& solution, const std::ve
       position_(position),
       options_(options),
       element_rays_(scene, mesh_),
+      response_(scene, mesh_),
       radiosity_(mesh_.count()) {
   for (std::uint32_t i = 0; i < mesh_.count(); ++i)
     radiosity_[i] = C3d(mesh_.reflectance(i) * solution.irradiances()[i].total());
@@ -182,7 +183,8 @@ C3d Gathering::reflected_at_contact(const Landing& landing, Sampler& sampler, C3
       const LightSample& light = incident.light;
       ++rays;
       const float visible = scene_.transmittance({spawn_position(point, light.direction), light.position});
-      irradiance += C3d(light.radiance * (incident.wi.z * visible / light.pdf_w));
+      irradiance += C3d(light.radiance * (incident.wi.z * visible / light.pdf_w)) *
+                    response_.of(landing.element).at(static_cast<double>(incident.wi.z));
     }
   }
   const V3f direction = Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));

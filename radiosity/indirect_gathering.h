@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "radiosity/element_response.h"
 #include "radiosity/indirect_field.h"
 #include "radiosity/landing.h"
 #include "render/scene/scene.h"
@@ -102,6 +103,7 @@ class Gathering {
   const std::vector<V3d>& position_;
   const IndirectFieldOptions& options_;
   ElementRays element_rays_;
+  ElementResponse response_;
   std::vector<C3d> radiosity_;  // reflected, by element
 };
 

@@ -63,6 +63,51 @@ TEST(Lobes, DiffuseLobesIntegrateToTheDiffuseReflectance) {
   }
 }
 
+// As seen from one direction, wherever there is a closed form: the integral over the other, by 4000 cosines.
+TEST(Lobes, DiffuseAlbedosAreTheIntegralsOfTheDiffuseLobes) {
+  int known = 0;
+  for (const test::Case& c : all_cases())
+    for (const float z : {0.1f, 0.5f, 0.98f}) {
+      const V3f wo(std::sqrt(1.0f - z * z), 0.0f, z);
+      const auto albedo = diffuse_albedo(c.bsdf(), wo);
+      if (!albedo) continue;
+      ++known;
+      C3d sum(0.0);
+      constexpr int n = 4000;
+      for (int i = 0; i < n; ++i) {
+        const float cosine = std::sqrt((static_cast<float>(i) + 0.5f) / n);
+        sum += C3d(eval_diffuse(c.bsdf(), wo, V3f(std::sqrt(1.0f - cosine * cosine), 0.0f, cosine))) *
+               (pi / static_cast<double>(cosine));
+      }
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR((*albedo)[k], sum[k] / n, 2e-3) << c.name << " " << z;
+    }
+  EXPECT_GT(known, 30);
+}
+
+// Without its diffuse lobes a model says what it says without their part, has none, and draws with the density
+// that it states: by 20,000 drawn directions, each weighted, against as many over the sphere.
+TEST(Lobes, WithoutDiffuseLobesTheOthersAreLeft) {
+  for (const test::Case& c : all_cases()) {
+    if (is_specular(c.bsdf())) continue;
+    const Bsdf rest = without_diffuse(c.bsdf());
+    EXPECT_EQ(diffuse_reflectance(rest), C3f(0.0f)) << c.name;
+    for (std::uint32_t i = 0; i < 500; ++i) {
+      Sampler sampler(5, i, 0);
+      const V3f wo = square_to_cosine_hemisphere(sampler.next_2d());
+      if (!(wo.z > 0.0f)) continue;
+      const V3f wi = square_to_sphere(sampler.next_2d());
+      const C3f all = eval(c.bsdf(), wo, wi), expected = all - eval_diffuse(c.bsdf(), wo, wi), left = eval(rest, wo, wi);
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(left[k], expected[k], 1e-5f * all[k] + 1e-7f) << c.name << " " << i;
+      const auto drawn = sample(rest, wo, sampler.next_2d());
+      if (!drawn || drawn->is_specular || drawn->pdf_w > 1e4f) continue;  // where the angle is lost in rounding
+      const BsdfValue at = visit_model(rest, [&](const auto& model) { return evaluate(model, wo, drawn->wi); });
+      ASSERT_NEAR(drawn->pdf_w, at.pdf_w, 2e-3f * at.pdf_w) << c.name << " " << i;
+      for (int k = 0; k < 3; ++k)
+        ASSERT_NEAR(drawn->weight[k] * drawn->pdf_w, at.value[k], 2e-3f * at.value[k] + 1e-6f) << c.name << " " << i;
+    }
+  }
+}
+
 TEST(Lobes, AlbedosOfKnownSurfaces) {
   EXPECT_EQ(albedo(Diffuse{C3f(0.1f, 0.5f, 0.9f)}), C3f(0.1f, 0.5f, 0.9f));
   EXPECT_EQ(albedo(Conductor{}), C3f(1.0f));

@@ -37,6 +37,49 @@ TEST(SpecularPath, GlassLosesNothingInEitherDirection) {
   EXPECT_NEAR(transmitted / double(paths), 0.96 / 1.04, 5.0 * std::sqrt(0.92 * 0.08 / paths));
 }
 
+// Light of a lamp over a rough coat, and over rough metal seen in it: met by chance alone, or sampled as well (R52).
+TEST(SpecularPath, SampledLampsAreTheLampsMetByChance) {
+  RoughPlastic coated;
+  coated.alpha = 0.3f;
+  coated.distribution = Microfacet::ggx;
+  coated.prepare();
+  RoughConductor metal;
+  metal.alpha_u = metal.alpha_v = 0.2f;
+  SceneDescription description;
+  description.materials = {one_sided("coated", coated), one_sided("metal", metal), one_sided("black", Diffuse{C3f(0.0f)})};
+  description.shapes = {{"floor", test::quad(V3f(-9, -9, 0), V3f(18, 0, 0), V3f(0, 18, 0)), 0, {}},
+                        {"wall", test::quad(V3f(1, -9, 0), V3f(0, 0, 9), V3f(0, 18, 0)), 1, {}},
+                        {"lamp", test::quad(V3f(0, -0.1f, 1.5f), V3f(0, 0.2f, 0), V3f(0.2f, 0, 0)), 2, {}}};
+  description.shapes[2].radiance[front] = C3f(1.0f);
+  const Scene scene(std::move(description));
+  const Ray ray{V3f(-1.0f, 0.0f, 1.0f), unit(V3f(1.0f, 0.1f, -1.0f))};
+  const SurfacePoint start = scene.surface_point(ray, scene.caster().intersect(ray));
+  double sum[2] = {}, squares[2] = {};
+  constexpr std::uint32_t paths = 100000;
+  for (std::uint32_t k = 0; k < paths; ++k)
+    for (int samples = 0; samples < 2; ++samples) {
+      Sampler sampler(3, static_cast<std::uint32_t>(samples), k, SamplerKind::independent);
+      SpecularPath path(scene, ray, start, Carried::radiance, sampler);
+      double found = 0.0;
+      while (samples ? path.next_with_lamps() : path.next()) {
+        const SpecularPathEnd& end = path.end();
+        if (end.escaped) break;
+        found += static_cast<double>((end.weight * scene.emitted_radiance(end.point)).x * end.lamp_weight);
+      }
+      found += static_cast<double>(path.sampled().x);
+      sum[samples] += found;
+      squares[samples] += found * found;
+    }
+  double mean[2], variance[2];
+  for (int i = 0; i < 2; ++i) {
+    mean[i] = sum[i] / paths;
+    variance[i] = (squares[i] / paths - mean[i] * mean[i]) / paths;
+  }
+  ASSERT_GT(mean[0], 0.0);
+  EXPECT_NEAR(mean[1], mean[0], 4.4 * std::sqrt(variance[0] + variance[1]));
+  EXPECT_LT(variance[1], 0.5 * variance[0]);
+}
+
 TEST(SpecularPath, EndsInsideOfAMediumWithTheSquareOfItsIndex) {
   SceneDescription description;
   Dielectric water;
