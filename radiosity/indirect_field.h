@@ -21,6 +21,9 @@ struct IndirectFieldOptions {
   /// What lamps send straight over mirrors, glass and metals is not part of it where there is a map of that.
   /// Otherwise nothing is looked up where there is more than a trace of it. Outlives the field's constructor.
   const CausticMap* caustics = nullptr;
+  /// Surfaces nearer than elements resolve are gathered at instead of read (R53), which is one reflection more than
+  /// the solution holds.
+  bool gathers_at_contacts = true;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
   /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53). Empty:

@@ -151,7 +151,8 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   ++sum.rays;
   if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
   C3d found = sent_from(ray, landing, sampler, sum.caustic, rays);
-  if (landing.kind == Landing::on_element && landing.distance < contact_elements * mesh_.size(landing.element))
+  if (options_.gathers_at_contacts && landing.kind == Landing::on_element &&
+      landing.distance < contact_elements * mesh_.size(landing.element))
     found += reflected_at_contact(landing, sampler, sum.caustic, rays) - radiosity_[landing.element];
   sum.irradiance += found;
   const float cosine = ray.direction.dot(normal);

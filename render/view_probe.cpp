@@ -92,12 +92,14 @@ std::vector<PathSample> samples_in(const Camera& camera, const PixelWindow& wind
   return samples;
 }
 
-// The least that pass one takes, in rays of the picture: 500 for each element. In Bitterli's staircase all of pass
-// one took 7.6 CPU seconds for 17,731 elements, nearly 1000 rays of that picture for each.
+// What solving takes at least of a scene that has more triangles than a picture needs elements, in rays of the
+// picture: 500 for each element. In Bitterli's staircase all of pass one took 7.6 CPU seconds for 17,731 elements,
+// nearly 1000 rays of that picture for each. Others take tenths of a second.
 double rays_of_pass_one(const Scene& scene, std::size_t pixels) {
+  constexpr std::size_t many = 8192;
   constexpr double rays_of_an_element = 500.0;
-  return rays_of_an_element *
-         static_cast<double>(element_limit(scene, {.gathered_pixels = pixels, .affordable_elements = 1}));
+  const std::size_t elements = element_limit(scene, {.gathered_pixels = pixels, .affordable_elements = 1});
+  return elements > many ? rays_of_an_element * static_cast<double>(elements) : 0.0;
 }
 
 // What is left where so much stays of the variance of what the solution brings.
@@ -154,7 +156,7 @@ std::optional<ViewProbe> fit_to_view(Plan& plan, IntegratorKind integrator, cons
                          sees_none ? "the picture sees no light that goes from one diffuse surface to another"
                                    : "tracing paths is cheaper for this view"}}};
   } else if (picture_rays > 0.0 && (probe.gain() - 1.0) * picture_rays < rays_of_pass_one(scene, pixels)) {
-    plan = {.skipped = {{"radiosity pass", "for so few samples it would cost more than it saves"}}};
+    plan = {.skipped = {{"radiosity pass", "for so few samples of so many surfaces it would cost more than it saves"}}};
   }
   return probe;
 }

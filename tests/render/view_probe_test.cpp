@@ -126,18 +126,6 @@ TEST(ViewProbe, PassOneIsSkippedWhereAShortPictureWouldWaitForManySurfaces) {
   EXPECT_TRUE(has_pass_one(0.0, false));
 }
 
-// Even a room of few triangles is not worth solving for a few hundred paths.
-TEST(ViewProbe, PassOneIsSkippedForAHandfulOfPaths) {
-  const View view{test::furnished_room(), {0.5, 0.05, 0.5}, {0.5, 1.0, 0.4}};
-  const auto has_pass_one = [&](double picture_rays) {
-    Plan plan = plan_render(needs_of(view.scene.description()), IntegratorKind::two_pass, {});
-    fit_to_view(plan, IntegratorKind::two_pass, view.scene, view.camera, window, {}, 0, picture_rays);
-    return plan.radiosity_pass;
-  };
-  EXPECT_FALSE(has_pass_one(1e3));
-  EXPECT_TRUE(has_pass_one(1e6));
-}
-
 TEST(ViewProbe, ASolutionThatIsThereIsUsed) {
   const View view = glass_ball();
   Plan plan = plan_render(needs_of(view.scene.description()), IntegratorKind::two_pass, {});
