@@ -147,9 +147,10 @@ ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow
 std::optional<ViewProbe> fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene,
                                      const Camera& camera, const PixelWindow& window, const PathLimits& limits,
                                      std::uint32_t seed, double picture_rays, bool has_solution) {
-  if (!plan.radiosity_pass || integrator != IntegratorKind::two_pass || has_solution) return std::nullopt;
+  if (!plan.radiosity_pass || integrator != IntegratorKind::two_pass) return std::nullopt;
   const ViewProbe probe = probe_view(scene, camera, window, limits, seed, plan.caustic_map);
   const auto pixels = static_cast<std::size_t>(window.size.x) * static_cast<std::size_t>(window.size.y);
+  if (has_solution) return probe;
   if (probe.gain() < least_gain) {
     const bool sees_none = probe.variance_without >= probe.variance;
     plan = {.skipped = {{"radiosity pass",
