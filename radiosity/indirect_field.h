@@ -2,7 +2,6 @@
 // judgement where that is enough.
 #pragma once
 
-#include "radiosity/caustic_map.h"
 #include "radiosity/solution.h"
 
 namespace twopass {
@@ -18,12 +17,9 @@ struct IndirectFieldOptions {
   /// Largest error of direct light that is looked up, too (R43), relative to all the light there.
   double direct_tolerance = 0.005;
   bool with_direct = true;  ///< direct light is looked up at all
-  /// What lamps send straight over mirrors, glass and metals is not part of it where there is a map of that.
-  /// Otherwise nothing is looked up where there is more than a trace of it. Outlives the field's constructor.
-  const CausticMap* caustics = nullptr;
-  /// Surfaces nearer than elements resolve are gathered at instead of read (R53), which is one reflection more than
-  /// the solution holds.
-  bool gathers_at_contacts = true;
+  /// What lamps send straight over mirrors, glass and metals is not part of it: a CausticMap has that.
+  /// Otherwise nothing is looked up where there is more than a trace of it.
+  bool without_caustics = false;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
   /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53). Empty:

@@ -1,9 +1,7 @@
 #include "radiosity/indirect_gathering.h"
 
 #include "radiosity/specular_path.h"
-#include "radiosity/weights_from_afar.h"
 #include "render/core/warp.h"
-#include "render/scene/incident.h"
 
 namespace twopass {
 
@@ -47,7 +45,6 @@ Gathering::Gathering(const Scene& scene, const Solution& solution, const std::ve
       position_(position),
       options_(options),
       element_rays_(scene, mesh_),
-      response_(scene, mesh_),
       radiosity_(mesh_.count()) {
   for (std::uint32_t i = 0; i < mesh_.count(); ++i)
     radiosity_[i] = C3d(mesh_.reflectance(i) * solution.irradiances()[i].total());
@@ -150,10 +147,7 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   }
   ++sum.rays;
   if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
-  C3d found = sent_from(ray, landing, sampler, sum.caustic, rays);
-  if (options_.gathers_at_contacts && landing.kind == Landing::on_element &&
-      landing.distance < contact_elements * mesh_.size(landing.element))
-    found += reflected_at_contact(landing, sampler, sum.caustic, rays) - radiosity_[landing.element];
+  const C3d found = sent_from(ray, landing, sampler, sum.caustic, rays);
   sum.irradiance += found;
   const float cosine = ray.direction.dot(normal);
   const V3d along((ray.direction - normal * cosine) / std::max(cosine, least_cosine));
@@ -167,33 +161,9 @@ C3d Gathering::sent_from(const Ray& ray, const Landing& landing, Sampler& sample
                          std::uint64_t& rays) const {
   C3d found(0.0);
   if (landing.kind == Landing::on_element) found = radiosity_[landing.element];
-  const bool leaves_out = options_.caustics && landing.kind == Landing::on_specular;
+  const bool leaves_out = options_.without_caustics && landing.kind == Landing::on_specular;
   if (landing.goes_on) found += over_specular(ray, landing, leaves_out, sampler, caustic, rays);
   return found;
-}
-
-// What a surface reflects that is nearer than elements resolve (R53): its light is sampled and gathered there.
-C3d Gathering::reflected_at_contact(const Landing& landing, Sampler& sampler, C3d& caustic,
-                                    std::uint64_t& rays) const {
-  const SurfacePoint& point = landing.point;
-  C3d irradiance(0.0);
-  if (options_.caustics) irradiance += C3d(options_.caustics->irradiance(point));
-  if (!scene_.lights().empty()) {
-    const Incident incident = sample_incident(scene_, point, Diffuse{}, sampler.next_2d());
-    if (incident.reached > 0.0f && incident.wi.z > 0.0f) {
-      const LightSample& light = incident.light;
-      ++rays;
-      const float visible = scene_.transmittance({spawn_position(point, light.direction), light.position});
-      irradiance += C3d(light.radiance * (incident.wi.z * visible / light.pdf_w)) *
-                    response_.of(landing.element).at(static_cast<double>(incident.wi.z));
-    }
-  }
-  const V3f direction = Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
-  const Ray ray{spawn_position(point, direction), direction};
-  const Landing next = element_rays_.cast(ray, point.geometric_normal, mesh_.size(landing.element), sampler, rays);
-  if (next.kind == Landing::buried) return radiosity_[landing.element];
-  irradiance += sent_from(ray, next, sampler, caustic, rays);
-  return C3d(mesh_.reflectance(landing.element)) * irradiance;
 }
 
 // pi times the radiance that elements send over mirrors, glass and glossy lobes; that of lamps into

@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "radiosity/element_response.h"
 #include "radiosity/indirect_field.h"
 #include "radiosity/landing.h"
 #include "render/scene/scene.h"
@@ -93,8 +92,6 @@ class Gathering {
   void add_ray(const Start& from, Sampler& sampler, Gathered& sum, std::uint64_t& rays) const;
   [[nodiscard]] C3d sent_from(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
                               std::uint64_t& rays) const;
-  [[nodiscard]] C3d reflected_at_contact(const Landing& landing, Sampler& sampler, C3d& caustic,
-                                         std::uint64_t& rays) const;
   [[nodiscard]] C3d over_specular(const Ray& ray, const Landing& landing, bool leaves_out, Sampler& sampler,
                                   C3d& caustic, std::uint64_t& rays) const;
 
@@ -103,7 +100,6 @@ class Gathering {
   const std::vector<V3d>& position_;
   const IndirectFieldOptions& options_;
   ElementRays element_rays_;
-  ElementResponse response_;
   std::vector<C3d> radiosity_;  // reflected, by element
 };
 

@@ -23,7 +23,7 @@ Landing ElementRays::cast(const Ray& ray, const V3f& normal, float size, Sampler
   const std::uint32_t element = mesh_.find(point);
   if (element != no_index) {
     if (is_more_than_diffuse(scene_.side(point))) return {Landing::on_element, element, point, hit.t, true};
-    return {Landing::on_element, element, point, hit.t};
+    return {Landing::on_element, element, {}, hit.t};
   }
   if (shows_inside(point))
     return {

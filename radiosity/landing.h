@@ -26,7 +26,7 @@ struct Landing {
   };
   Kind kind;
   std::uint32_t element = no_index;  ///< only on_element
-  SurfacePoint point;                ///< only on elements and where the light goes on
+  SurfacePoint point;                ///< only where the light goes on
   float distance = infinity_f;       ///< from the start; infinite in the sky
   /// Light goes on from there otherwise than diffusely: on_specular, and on elements that are glossy, too.
   bool goes_on = false;

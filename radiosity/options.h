@@ -81,7 +81,7 @@ struct RadiosityOptions {
   /// The relative error that such a picture may have: the number of elements goes with its inverse.
   double picture_error = 0.03;
   /// Most elements of such a picture by the time that it may take; 0: as many as it needs. Where that is fewer
-  /// than 1024, or than one for eight sides of triangles, there are so many.
+  /// than 2048, or than one for eight sides of triangles, there are so many.
   std::size_t affordable_elements = 0;
   /// How often the number of elements that the program chooses for such a picture is quadrupled.
   int refinement = 0;

@@ -21,7 +21,7 @@ constexpr std::size_t least_elements_rays = 8192, most_elements_rays = 262144;
 constexpr std::size_t default_elements_analytic = 1500;
 // For pictures that are gathered: an element for 64 pixels, 64 rays an element. Measured in the Cornell box,
 // the cove and the hidden room: pass one takes half the time, the bias of the picture stays within .5 %.
-constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048, least_elements_affordable = 1024;
+constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048, least_elements_affordable = 2048;
 constexpr double usual_error = 0.03;  // of a picture, for which that was measured
 constexpr std::uint32_t rays_of_a_gathered_element = 64;
 // Adaptive substructuring starts with this part of the elements, and its pilot solutions, which only have to

@@ -83,8 +83,7 @@ void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
     options.wanted = seen;
     options.rays_there = std::move(parts);
     for (double& there : options.rays_there) there *= share_of_pass_one * job.picture_rays;
-    options.caustics = done.caustics.get();
-    options.gathers_at_contacts = job.radiosity.max_reflections < 0;
+    options.without_caustics = done.caustics != nullptr;
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);
     done.field_time += stopwatch.elapsed();
   }

@@ -77,7 +77,7 @@ struct PictureGoal {
 PictureGoal picture_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads,
                          const std::optional<ViewProbe>& probe);
 /// The options of pass one for a picture, over what the user asks for: elements in inverse proportion to its error,
-/// and fewer where pass one would take more than 15 % of its time (by its usual pace, and not fewer than 1024 or one
+/// and fewer where pass one would take more than 15 % of its time (by its usual pace, and not fewer than 2048 or one
 /// for eight triangles).
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
                                    const PixelWindow& window, RadiosityOptions asked,

@@ -45,7 +45,8 @@ TEST_F(Headers, ExrheaderReadsTheGoldenOne) {
 TEST_F(Headers, ExrinfoAcceptsBothFiles) {
   if (!is_installed("exrinfo")) GTEST_SKIP() << "exrinfo is not installed (openexr)";
   for (const std::string file : {"one.exr", "parts.exr"}) {
-    const std::string text = tool("exrinfo -v " + file);
+    // What it says counts: the exit code of OpenEXR 3.1.5's exrinfo is random, whatever the file.
+    const std::string text = tool("exrinfo -v " + file + "; true");
     EXPECT_EQ(text.find("error"), std::string::npos) << text;
     for (const char* part :
          {"dataWindow: box2i [ 5, 1 - 26 18 ] 22 x 18", "displayWindow: box2i [ 0, 0 - 47 31 ] 48 x 32",

@@ -36,24 +36,7 @@ SceneDescription divided_room() {
   return scene;
 }
 
-// What a surface that is nearer than two elements receives, by one light sample and one ray.
-C3f received_at_contact(const Scene& scene, const Solution& solution, const SurfacePoint& point, Sampler& sampler) {
-  C3f sum(0.0f);
-  const LightSample light = scene.lights().sample({point.position, point.geometric_normal, true}, sampler.next_2d());
-  const float cosine = light.direction.dot(point.geometric_normal);
-  if (light.pdf_w > 0.0f && cosine > 0.0f &&
-      !scene.caster().occluded(spawn_position(point, light.direction), light.position))
-    sum += light.radiance * (cosine / light.pdf_w);
-  const V3f direction = Frame(point.geometric_normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
-  const Ray ray{spawn_position(point, direction), direction};
-  const Hit hit = scene.caster().intersect(ray);
-  if (hit.escaped()) return sum;
-  const SurfacePoint there = scene.surface_point(ray, hit);
-  return sum + scene.side(there).traits().mean_diffuse_reflectance * solution.irradiance(there).total();
-}
-
-// What a point receives from the elements of the solution, and from surfaces nearer than they resolve, by as many
-// rays as it takes. `normal`: of its surface, which may be tilted against its geometric normal.
+// What a point receives from the elements of the solution, by as many rays as it takes. `normal`: of its surface, which may be tilted against its geometric normal.
 C3f gathered(const Scene& scene, const Solution& solution, const SurfacePoint& point, const V3f& normal,
              std::uint32_t key) {
   constexpr std::uint32_t rays = 4096;
@@ -67,11 +50,7 @@ C3f gathered(const Scene& scene, const Solution& solution, const SurfacePoint& p
     const Hit hit = scene.caster().intersect(ray);
     if (hit.escaped()) continue;
     const SurfacePoint there = scene.surface_point(ray, hit);
-    const std::uint32_t element = solution.mesh().find(there);
-    const bool is_contact = element != no_index && hit.t < 2.0f * solution.mesh().size(element);
-    sum += scene.side(there).traits().mean_diffuse_reflectance *
-           (is_contact ? received_at_contact(scene, solution, there, sampler)
-                       : solution.irradiance(there).total());
+    sum += scene.side(there).traits().mean_diffuse_reflectance * solution.irradiance(there).total();
   }
   return sum / static_cast<float>(rays);
 }
