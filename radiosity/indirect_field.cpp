@@ -22,6 +22,8 @@ namespace {
 constexpr double whole = 0.999;
 // Corners that differ by more than this factor have an edge of light or a wall between them.
 constexpr double most_contrast = 2.0;
+// The most that parts of elements may receive from elements that are nearer than they resolve, of all light.
+constexpr double most_nearby = 0.3;
 // How often a cell is divided into four.
 constexpr int most_levels = 3;
 
@@ -212,6 +214,9 @@ class IndirectFieldBuilder {
       const Gathered& g = gathered_[v];
       if (near_caustic_[v]) return Verdict::never;
       if (g.rays == 0 || (is_part && g.buried > 0)) return Verdict::too_coarse;
+      // Small cells beside large elements see how constant those are.
+      if (is_part && brightness(g.nearby) > most_nearby * (direct_[v] * g.rays + brightness(g.irradiance)))
+        return Verdict::never;
       longest = std::max(longest, (position_[cell.corner[(k + 1) % 3]] - position_[v]).length());
       nearness = std::max(nearness, g.inverse_distance / g.rays);
       noise = std::max(noise, g.noise());

@@ -1,6 +1,7 @@
 #include "radiosity/indirect_gathering.h"
 
 #include "radiosity/specular_path.h"
+#include "radiosity/weights_from_afar.h"
 #include "render/core/warp.h"
 
 namespace twopass {
@@ -149,6 +150,8 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
   const C3d found = sent_from(ray, landing, sampler, sum.caustic, rays);
   sum.irradiance += found;
+  if (landing.kind == Landing::on_element && landing.distance < contact_elements * mesh_.size(landing.element))
+    sum.nearby += found;
   const float cosine = ray.direction.dot(normal);
   const V3d along((ray.direction - normal * cosine) / std::max(cosine, least_cosine));
   for (std::size_t axis = 0; axis < 3; ++axis) sum.across[axis] += found * along[static_cast<int>(axis)];

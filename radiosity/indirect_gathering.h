@@ -22,6 +22,7 @@ struct FieldCell {
 struct Gathered {
   std::uint32_t rays = 0, buried = 0;
   C3d irradiance{0.0};
+  C3d nearby{0.0};  // of the irradiance: from elements that are nearer than they resolve
   std::array<C3d, 3> across{C3d(0.0), C3d(0.0), C3d(0.0)};  // net irradiance along the surface, by axis
   double brightness2 = 0.0;       // squared brightness of each ray
   double inverse_distance = 0.0;  // of what they met
