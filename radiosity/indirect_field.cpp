@@ -117,7 +117,7 @@ class IndirectFieldBuilder {
     for (std::uint32_t f = 0; f < faces(); ++f) cells_.push_back({f, vertices_.faces().corner[f]});
     grow();
     for (const Irradiance& smooth : vertex_irradiance(vertices_, mesh_, solution_.irradiances()))
-      direct_.push_back(brightness(C3d(smooth.direct)));
+      direct_brightness_.push_back(brightness(C3d(smooth.direct)));
     std::vector<std::uint32_t> wanted;
     // Which vertices are gathered at: the corners of wanted faces, and in place of those that hang their ends.
     std::vector<std::uint8_t> gathers(count, 0), hangs(count, 0);
@@ -147,7 +147,7 @@ class IndirectFieldBuilder {
   void find_caustics() {
     near_caustic_.assign(position_.size(), false);
     std::vector<bool> sees(position_.size());
-    for (std::size_t v = 0; v < sees.size(); ++v) sees[v] = gathered_[v].sees_caustic(direct_[v]);
+    for (std::size_t v = 0; v < sees.size(); ++v) sees[v] = gathered_[v].sees_caustic(direct_brightness_[v]);
     for (const FieldCell& cell : cells_)
       if (std::ranges::any_of(cell.corner, [&](std::uint32_t v) { return sees[v]; }))
         for (const std::uint32_t v : cell.corner) near_caustic_[v] = true;
@@ -160,7 +160,7 @@ class IndirectFieldBuilder {
       throw_if_interrupted();
       std::uint64_t cast = 0;
       for (std::size_t i = begin; i < end; ++i)
-        gathered_[places[i]] = gathering_.at(places[i], around, fans, direct_[places[i]], cast);
+        gathered_[places[i]] = gathering_.at(places[i], around, fans, direct_brightness_[places[i]], cast);
       rays += cast;
     });
     rays_ += rays;
@@ -215,14 +215,14 @@ class IndirectFieldBuilder {
       if (near_caustic_[v]) return Verdict::never;
       if (g.rays == 0 || (is_part && g.buried > 0)) return Verdict::too_coarse;
       // Small cells beside large elements see how constant those are.
-      if (is_part && brightness(g.nearby) > most_nearby * (direct_[v] * g.rays + brightness(g.irradiance)))
+      if (is_part && brightness(g.nearby) > most_nearby * (direct_brightness_[v] * g.rays + brightness(g.irradiance)))
         return Verdict::never;
       longest = std::max(longest, (position_[cell.corner[(k + 1) % 3]] - position_[v]).length());
       nearness = std::max(nearness, g.inverse_distance / g.rays);
       noise = std::max(noise, g.noise());
       low = std::min(low, brightness(g.mean()));
       high = std::max(high, brightness(g.mean()));
-      direct = std::min(direct, direct_[v]);
+      direct = std::min(direct, direct_brightness_[v]);
       linear += g.mean() / 3.0;
     }
     if (high > most_contrast * low || gathering_.is_crossed(cell, rays)) return Verdict::too_coarse;
@@ -262,7 +262,7 @@ class IndirectFieldBuilder {
     }
     const auto made = std::span(cells_).subspan(first);
     gather(fresh, made);
-    for (const std::uint32_t v : fresh) near_caustic_[v] = gathered_[v].sees_caustic(direct_[v]);
+    for (const std::uint32_t v : fresh) near_caustic_[v] = gathered_[v].sees_caustic(direct_brightness_[v]);
     std::vector<std::uint32_t> divided(made.size());
     std::iota(divided.begin(), divided.end(), first);
     return divided;
@@ -275,7 +275,7 @@ class IndirectFieldBuilder {
     const std::uint32_t v = entry->second;
     if (!is_new) return v;
     position_.push_back((position_[a] + position_[b]) * 0.5);
-    direct_.push_back(0.5 * (direct_[a] + direct_[b]));
+    direct_brightness_.push_back(0.5 * (direct_brightness_[a] + direct_brightness_[b]));
     near_caustic_.push_back(false);
     gathered_.emplace_back();
     if (straight_.count(edge_of(a, b)) == 0) {
@@ -318,7 +318,8 @@ class IndirectFieldBuilder {
     }
   }
 
-  // A division costs about so many rays: those of a vertex and a half and of four middles, and at contacts.
+  // A division has to be worth so many rays: it costs those of a vertex and a half and of four middles, some
+  // thousands, and saves a part of the rays that start there.
   static constexpr double rays_of_division = 32000.0;
 
   const Solution& solution_;
@@ -328,7 +329,7 @@ class IndirectFieldBuilder {
   const VertexMesh vertices_;
   // By vertex.
   std::vector<V3d> position_;
-  std::vector<double> direct_;  // brightness of the direct light there
+  std::vector<double> direct_brightness_;  // of the light of lamps there
   std::vector<Gathered> gathered_;
   std::vector<bool> near_caustic_;
   // By cell: elements, then parts of them, four for each that is divided.

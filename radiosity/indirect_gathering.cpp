@@ -148,7 +148,9 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   }
   ++sum.rays;
   if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
-  const C3d found = sent_from(ray, landing, sampler, sum.caustic, rays);
+  C3d found(0.0);
+  if (landing.kind == Landing::on_element) found = radiosity_[landing.element];
+  if (landing.goes_on) found += over_specular(ray, landing, sampler, sum.caustic, rays);
   sum.irradiance += found;
   if (landing.kind == Landing::on_element && landing.distance < contact_elements * mesh_.size(landing.element))
     sum.nearby += found;
@@ -159,20 +161,11 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   sum.brightness2 += b * b;
 }
 
-// pi times the radiance that an element, or what it is seen in, sends back along a ray.
-C3d Gathering::sent_from(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
-                         std::uint64_t& rays) const {
-  C3d found(0.0);
-  if (landing.kind == Landing::on_element) found = radiosity_[landing.element];
-  const bool leaves_out = options_.without_caustics && landing.kind == Landing::on_specular;
-  if (landing.goes_on) found += over_specular(ray, landing, leaves_out, sampler, caustic, rays);
-  return found;
-}
-
 // pi times the radiance that elements send over mirrors, glass and glossy lobes; that of lamps into
 // `caustic`, too, or, if they are left out, only what comes over other glossy lobes as well.
-C3d Gathering::over_specular(const Ray& ray, const Landing& landing, bool leaves_out, Sampler& sampler,
-                             C3d& caustic, std::uint64_t& rays) const {
+C3d Gathering::over_specular(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
+                             std::uint64_t& rays) const {
+  bool leaves_out = options_.without_caustics && landing.kind == Landing::on_specular;
   C3d found(0.0);
   SpecularPath path(scene_, ray, landing.point, Carried::radiance, sampler);
   while (leaves_out ? path.next() : path.next_with_lamps()) {

@@ -91,10 +91,8 @@ class Gathering {
   [[nodiscard]] bool can_gather_at(std::uint32_t face) const;
   [[nodiscard]] Start start(std::uint32_t face, const std::array<V3d, 3>& part, float reach) const;
   void add_ray(const Start& from, Sampler& sampler, Gathered& sum, std::uint64_t& rays) const;
-  [[nodiscard]] C3d sent_from(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
-                              std::uint64_t& rays) const;
-  [[nodiscard]] C3d over_specular(const Ray& ray, const Landing& landing, bool leaves_out, Sampler& sampler,
-                                  C3d& caustic, std::uint64_t& rays) const;
+  [[nodiscard]] C3d over_specular(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
+                                  std::uint64_t& rays) const;
 
   const Scene& scene_;
   const ElementMesh& mesh_;

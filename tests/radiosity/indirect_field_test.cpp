@@ -23,6 +23,13 @@ SurfacePoint point_below(const Scene& scene, const V3f& from, const V3f& directi
   return scene.surface_point(ray, scene.caster().intersect(ray));
 }
 
+// Of a room, anywhere that is seen from its middle parts.
+SurfacePoint any_point(const Scene& scene, Sampler& sampler) {
+  const V2f u = sampler.next_2d();
+  const V3f from(0.05f + 0.6f * u.x, 0.05f + 0.4f * u.y, 0.2f + 0.6f * sampler.next_1d());
+  return point_below(scene, from, square_to_sphere(sampler.next_2d()));
+}
+
 // A thin wall stands on its floor.
 SceneDescription divided_room() {
   SceneDescription scene = test::furnished_room();
@@ -118,9 +125,7 @@ TEST_P(IndirectFieldTest, IsTrustedOnlyWhereItIsAsGoodAsGathering) {
   int trusted = 0;
   for (std::uint32_t i = 0; i < 400; ++i) {
     Sampler sampler(3, i, 0);
-    const V2f u = sampler.next_2d();
-    const V3f from(0.05f + 0.6f * u.x, 0.05f + 0.4f * u.y, 0.2f + 0.6f * sampler.next_1d());
-    const SurfacePoint point = point_below(scene, from, square_to_sphere(sampler.next_2d()));
+    const SurfacePoint point = any_point(scene, sampler);
     const auto value = field.at(point);
     if (value.known < Known::indirect) continue;
     ++trusted;
@@ -144,9 +149,7 @@ TEST_P(IndirectFieldTest, KnowsWhatArrivesAroundATiltedNormal) {
   int trusted = 0;
   for (std::uint32_t i = 0; i < 200; ++i) {
     Sampler sampler(4, i, 0);
-    const V2f u = sampler.next_2d();
-    const V3f from(0.05f + 0.6f * u.x, 0.05f + 0.4f * u.y, 0.2f + 0.6f * sampler.next_1d());
-    const SurfacePoint point = point_below(scene, from, square_to_sphere(sampler.next_2d()));
+    const SurfacePoint point = any_point(scene, sampler);
     const ElementMesh::Location location = solution.mesh().locate(point);
     const auto value = field.at(location);
     if (value.known < Known::indirect) continue;

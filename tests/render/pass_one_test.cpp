@@ -105,13 +105,15 @@ TEST(PassOne, TheGuideIsForThePicturesRays) {
   EXPECT_GT(all, few);
 }
 
+constexpr PixelWindow picture{{0, 0}, {512, 512}};
+Camera camera_of(const PixelWindow& window) {
+  return {{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x}, window.size.x, window.size.y};
+}
+
 // Not below what a gathered picture needs, nor above what is worth its time.
 TEST(PassOne, ElementsFollowTheErrorThatIsAskedFor) {
   const Room room;
-  constexpr PixelWindow picture{{0, 0}, {512, 512}};
-  const Camera camera{{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
-                      picture.size.x,
-                      picture.size.y};
+  const Camera camera = camera_of(picture);
   const auto elements = [&](double error) {
     return element_limit(room.scene, radiosity_options(IntegratorKind::two_pass, {}, camera, picture, {},
                                                        {.relative_error = error}));
@@ -142,10 +144,7 @@ TEST(PassOne, ElementsFollowTheErrorThatIsAskedFor) {
 // A seventh of the time that paths would take to be as good, by the usual pace.
 TEST(PassOne, ShortPicturesHaveLessOfIt) {
   const Room room;
-  constexpr PixelWindow picture{{0, 0}, {512, 512}};
-  const Camera camera{{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
-                      picture.size.x,
-                      picture.size.y};
+  const Camera camera = camera_of(picture);
   // Half of the variance is left.
   const ViewProbe probe{.variance = 0.1, .rays = 10.0, .variance_without = 0.045 / 0.95, .rays_without = 2.0};
   EXPECT_NEAR(probe.paths_of_a_sample(), 2.0, 1e-9);
