@@ -88,7 +88,7 @@ Step TwoPass::at(Vertex& vertex) const {
   }
   if (is_specular(vertex.bsdf())) return Step::scatter;
   // Only the end of a gather ray may be looked up, and the solution knows diffuse reflection alone.
-  if (vertex.gathers() && vertex.scatterings() >= least_scatterings_ &&
+  if (solution_ && vertex.gathers() && vertex.scatterings() >= least_scatterings_ &&
       !is_black(diffuse_reflectance(vertex.bsdf())) &&
       resolves(solution_->mesh(), vertex.element(), vertex.distance())) {
     const Irradiance& irradiance = solution_->irradiances()[vertex.element()];
