@@ -194,7 +194,7 @@ bool SamplePlan::next() {
 // Passes are the batches of the error estimate: enough of them to be one, few enough to cost nothing.
 bool SamplePlan::next_uniform() {
   const double wanted = goal_.relative_error > 0.0 || goal_.samples_per_pixel == 0
-                            ? std::clamp(before_, pilot_samples_ / 2.0, 8.0)
+                            ? std::min(std::max(before_, pilot_samples_ / 2.0), 8.0)
                             : std::clamp(std::floor(limit() / 8.0), 1.0, 16.0);
   after_ = std::min(before_ + wanted, limit());
   return after_ > before_;

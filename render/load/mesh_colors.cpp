@@ -43,7 +43,8 @@ class Binder {
     if (!colors || colors->values) return texture;
     for (const auto& [unbound, bound] : made_)
       if (unbound.name == colors->name && unbound.scale == colors->scale) return bound;
-    const MeshColors bound{colors->name, values_of(attribute_called(colors->name), *mesh_, colors->scale), {}};
+    const MeshAttribute& attribute = attribute_called(colors->name);  // throws where there is no mesh
+    const MeshColors bound{colors->name, values_of(attribute, *mesh_, colors->scale), {}};
     made_.emplace_back(*colors, bound);
     return bound;
   }

@@ -22,7 +22,8 @@ TEST(GltfContainer, TextIsTakenAsItIs) {
 
 TEST(GltfContainer, ChunksOfABinaryFile) {
   const std::string body = chunk("JSON", "{}  ") + chunk(bin, "abcd") + chunk("MORE", "");
-  const GltfChunks chunks = split_gltf(header(12 + body.size()) + body + "trailing", "a.glb");
+  const std::string file = header(12 + body.size()) + body + "trailing";
+  const GltfChunks chunks = split_gltf(file, "a.glb");
   EXPECT_EQ(chunks.json, "{}  ");
   EXPECT_EQ(chunks.binary, "abcd");
   const std::string other = chunk("JSON", "{}") + chunk("MORE", "abcd");

@@ -18,9 +18,8 @@ BenchReference reference_of_ones(double own_deviation, unsigned seed) {
   BenchReference reference;
   reference.picture = Image(width, height, {"R", "G", "B"});
   std::mt19937 generator(seed);
-  std::normal_distribution<double> noise(0.0, own_deviation);
-  for (float& v : reference.picture.pixels)
-    v = static_cast<float>(1.0 + (own_deviation > 0.0 ? noise(generator) : 0.0));
+  std::normal_distribution<double> noise;
+  for (float& v : reference.picture.pixels) v = static_cast<float>(1.0 + own_deviation * noise(generator));
   reference.variance.assign(reference.picture.pixel_count(),
                             C3f(static_cast<float>(own_deviation * own_deviation)));
   estimate_own_error(reference);
@@ -88,7 +87,7 @@ TEST(BenchSeries, WithoutBiasThereIsNone) {
     collector.add({.samples_per_pixel = 1}, noisy(1.0, 0.3, 7 + run));
     collector.end_run(0);
   }
-  const SeriesPoint& p = collector.finish().points.at(0);
+  const SeriesPoint p = collector.finish().points.at(0);
   EXPECT_NEAR(p.bias2, 0.0, 0.03 * p.relmse);
 }
 
