@@ -52,7 +52,8 @@ struct Converged {
   std::vector<double> mean, variance;
 };
 
-// A scene with what an integrator reads, prepared as the program does.
+// A scene with what an integrator reads, prepared as the program does; for `unbiased`, which is right whatever its
+// solution says, in haste.
 class Prepared {
  public:
   Prepared(const LoadedScene& loaded, IntegratorKind kind)
@@ -62,10 +63,12 @@ class Prepared {
     const Camera camera(*loaded.scene.camera, file.width, file.height);
     const PixelWindow window{{0, 0}, {file.width, file.height}};
     const Plan plan = plan_render(needs_of(loaded.scene), kind, limits_);
+    RadiosityOptions asked;
+    if (kind == IntegratorKind::unbiased) asked.max_elements = 500;
     pass_one_ = prepare_pass_one({.scene = scene_,
                                   .plan = plan,
                                   .integrator = kind,
-                                  .radiosity = radiosity_options(kind, limits_, camera, window, {})});
+                                  .radiosity = radiosity_options(kind, limits_, camera, window, asked)});
     integrator_ = make_integrator(kind, scene_, pass_one_.view(), limits_);
   }
   const Integrator& integrator() const { return *integrator_; }
