@@ -162,7 +162,8 @@ CausticParticles::CausticParticles(const Scene& scene, const CausticParticlesOpt
   const std::vector<double> even = shooter.even();
   std::vector<double> aim(shooter.bin_count(), 0.0);
   double power = 0.0, caustic_power = 0.0;
-  const Shot pilot = shoot_all(shooter, 0, pilot_particles, DiscreteDistribution(even), even, rays_);
+  const Shot pilot = shoot_all(shooter, 0, std::min(pilot_particles, options.particles), DiscreteDistribution(even),
+                               even, rays_);
   for (std::size_t i = 0; i < pilot.particles.size(); ++i) {
     const double own = mean_component(pilot.particles[i].power);
     aim[pilot.bin[i]] += own;

@@ -94,13 +94,25 @@ void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
   }
 }
 
+// Fewer for short pictures, whose own noise hides that of the particles.
+CausticParticlesOptions particle_options(const PassOneJob& job) {
+  constexpr double least_particles = 0x1p16, rays_of_a_particle = 3.0;
+  CausticParticlesOptions options{.seed = job.radiosity.seed};
+  if (job.picture_rays > 0.0) {
+    const double affordable = share_of_pass_one * job.picture_rays / rays_of_a_particle;
+    options.particles = static_cast<std::size_t>(
+        std::clamp(affordable, least_particles, static_cast<double>(options.particles)));
+  }
+  return options;
+}
+
 // `particles`: shot where they are needed, and kept for more than one solution.
 PreparedPassOne prepare(PassOneJob job, std::optional<CausticParticles>& particles) {
   PreparedPassOne done;
   if (!job.plan.radiosity_pass) return done;
   Stopwatch stopwatch;
   if (!job.solved || job.plan.caustic_map) {
-    particles.emplace(job.scene, CausticParticlesOptions{.seed = job.radiosity.seed});
+    particles.emplace(job.scene, particle_options(job));
     if (job.plan.caustic_map) done.caustics = std::make_unique<const CausticMap>(job.scene, *particles);
     done.caustics_time = stopwatch.elapsed();
     stopwatch = Stopwatch();
