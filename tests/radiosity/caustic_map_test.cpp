@@ -48,6 +48,14 @@ TEST(CausticMap, OfAMirrorIsThatOfTheMirrorImage) {
   EXPECT_EQ(map.irradiance(scene.surface_point(up, scene.caster().intersect(up))), C3f(0.0f));
 }
 
+TEST(CausticMap, OfFewParticlesIsTheSameButForItsNoise) {
+  const Scene scene(lamp_beside_a_mirror());
+  const CausticMap map(scene, CausticParticles(scene, {.particles = std::size_t{1} << 16}));
+  constexpr float truth = 0.084353664388f;
+  // A sixteenth of the particles: four times the error.
+  EXPECT_NEAR(mean_of_the_tile(scene, map).x / truth, 1.0f, 0.2f);
+}
+
 TEST(CausticMap, PartsAddUpByLight) {
   const Scene scene(lamp_beside_a_mirror());
   const CausticMap map(scene, CausticParticles(scene));

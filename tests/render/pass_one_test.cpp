@@ -105,6 +105,25 @@ TEST(PassOne, TheGuideIsForThePicturesRays) {
   EXPECT_GT(all, few);
 }
 
+TEST(PassOne, ShortPicturesShootFewerCausticParticles) {
+  SceneDescription description = test::furnished_room();
+  test::add_box(description, "mirror", V3f(0.6f, 0.2f, 0.0f), V3f(0.8f, 0.4f, 0.5f),
+                one_sided("mirror", Conductor{}));
+  const Scene scene(std::move(description));
+  const auto particles_for = [&](double picture_rays) {
+    const PreparedPassOne done =
+        prepare_pass_one({.scene = scene,
+                          .plan = plan_render(needs_of(scene.description()), IntegratorKind::two_pass, {}),
+                          .integrator = IntegratorKind::two_pass,
+                          .radiosity = {.max_elements = 200},
+                          .picture_rays = picture_rays});
+    return static_cast<double>(done.caustics->particles());
+  };
+  const double all = particles_for(0.0);
+  EXPECT_NEAR(all / particles_for(1e5), 16.0, 2.0) << "2^16 at least, of 2^20";
+  EXPECT_EQ(particles_for(1e12), all);
+}
+
 constexpr PixelWindow picture{{0, 0}, {512, 512}};
 Camera camera_of(const PixelWindow& window) {
   return {{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x}, window.size.x, window.size.y};
