@@ -12,7 +12,7 @@ namespace twopass {
 namespace {
 
 constexpr int cubature_order = 3;
-constexpr int most_divisions = 9;
+constexpr int deepest_division = 9;
 constexpr double part_accuracy = 1e-6;
 
 // A blocker between two polygons: which one, and the part of it that is between them.
@@ -329,7 +329,7 @@ class PairInSight {
     const bool agree = std::abs(sum - pair.visible) <= tolerance && unseen <= tolerance;
     // The first agreement may be chance, and would cost the most: half a percent in one of 36 cases tried.
     const bool known = agree && (depth > 0 || sum == 0.0);
-    if (known || depth == most_divisions) return sum;
+    if (known || depth == deepest_division) return sum;
     sum = 0.0;
     for (const Pair& p : part) sum += divided(p, 0.5 * tolerance, depth + 1);
     return sum;

@@ -1,10 +1,11 @@
 // The module twopass_oiio.so: encodes and decodes pictures with OpenImageIO behind a C interface.
 #include "render/image/oiio_module.h"
+#include "render/image/oiio_failure.h"
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,10 +19,6 @@ namespace {
 
 void report_text(TwopassSink report, void* context, const std::string& text) {
   report(context, text.data(), text.size());
-}
-
-[[noreturn]] void fail(const std::string& text) {
-  throw std::runtime_error(text.empty() ? "OpenImageIO gives no reason" : text);
 }
 
 OIIO::ImageSpec spec_for(const TwopassRaster& raster) {

@@ -2,15 +2,16 @@
 #include <algorithm>
 #include <atomic>
 #include <deque>
+#include <exception>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/imageio.h>
 
+#include "render/image/oiio_failure.h"
 #include "render/image/oiio_module.h"
 
 namespace {
@@ -127,10 +128,6 @@ struct CachedImage {
   ImageCache::ImageHandle* handle;
   int x, y;  // of the first pixel
 };
-
-[[noreturn]] void fail(const std::string& text) {
-  throw std::runtime_error(text.empty() ? "OpenImageIO gives no reason" : text);
-}
 
 void open_tiles(const char* path, const TwopassTexelConverter* converter, TwopassTiledPicture& picture) {
   // One file may hold several textures: each reading of it has a name of its own.
