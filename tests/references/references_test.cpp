@@ -52,11 +52,11 @@ struct Converged {
   std::vector<double> mean, variance;
 };
 
-// A scene with what an integrator reads, prepared as the program does; for `unbiased`, which is right whatever its
-// solution says, in haste.
+// A scene with what an integrator reads, prepared as the program does for that many samples a pixel; for `unbiased`,
+// which is right whatever its solution says, in haste.
 class Prepared {
  public:
-  Prepared(const LoadedScene& loaded, IntegratorKind kind)
+  Prepared(const LoadedScene& loaded, IntegratorKind kind, int samples)
       : scene_(loaded.scene),
         limits_{loaded.settings.max_depth, loaded.settings.rr_depth, loaded.settings.hide_emitters} {
     const FileSettings& file = loaded.settings;
@@ -68,7 +68,8 @@ class Prepared {
     pass_one_ = prepare_pass_one({.scene = scene_,
                                   .plan = plan,
                                   .integrator = kind,
-                                  .radiosity = radiosity_options(kind, limits_, camera, window, asked)});
+                                  .radiosity = radiosity_options(kind, limits_, camera, window, asked),
+                                  .picture_rays = rays_of({.samples_per_pixel = samples}, window, 1)});
     integrator_ = make_integrator(kind, scene_, pass_one_.view(), limits_);
   }
   const Integrator& integrator() const { return *integrator_; }
@@ -83,7 +84,7 @@ class Prepared {
 constexpr int runs = 8;
 
 Converged render_runs(const LoadedScene& loaded, IntegratorKind kind, int samples) {
-  const Prepared prepared(loaded, kind);
+  const Prepared prepared(loaded, kind, runs * samples);
   const FileSettings& settings = loaded.settings;
   const Camera camera(*loaded.scene.camera, settings.width, settings.height);
   const RayCone cone = sample_cone(camera, settings.width, settings.height, samples);
