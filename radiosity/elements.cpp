@@ -413,27 +413,32 @@ double ElementMesh::whole_area(std::uint32_t element) const {
   return sum;
 }
 
-std::uint32_t ElementMesh::sixteenth_at(const Location& location) {
+ElementMesh::Sixteenth ElementMesh::sixteenth_at(const Location& location) {
   float u = location.u, v = location.v;
   const std::uint32_t quarter = enter_quarter(u, v);
-  return 4 * quarter + enter_quarter(u, v);
+  const std::uint32_t number = 4 * quarter + enter_quarter(u, v);
+  return {number, u, v};
 }
 
 ElementPoint ElementMesh::sample(std::uint32_t element, const V2f& u) const {
   if (is_even_cell(element)) return patch(element).sample(u);
   if (!is_cluster(element)) {
     const Weights& weights = weights_[element];
-    float left = u.x * static_cast<float>(std::accumulate(weights.begin(), weights.end(), 0u));
+    const auto& count = weights.count;
+    float left = u.x * static_cast<float>(std::accumulate(count.begin(), count.end(), 0u));
     int chosen = -1;
     for (int k = 0; k < 16; ++k) {
-      if (weights[k] == 0) continue;
-      if (chosen >= 0 && left < static_cast<float>(weights[chosen])) break;
-      if (chosen >= 0) left -= static_cast<float>(weights[chosen]);
+      if (count[k] == 0) continue;
+      if (chosen >= 0 && left < static_cast<float>(count[chosen])) break;
+      if (chosen >= 0) left -= static_cast<float>(count[chosen]);
       chosen = k;
     }
+    V2f place(static_cast<float>(weights.place[chosen][0]) / 255.0f,
+              static_cast<float>(weights.place[chosen][1]) / 255.0f);
+    // Seen from the back, corners 1 and 2 are the other way round.
+    if (root(element).side == back) std::swap(place.x, place.y);
     const ElementCell part = child_cell(child_cell(cell(element), chosen / 4), chosen % 4);
-    return cell_patch(root(element), part)
-        .sample({std::min(left / static_cast<float>(weights[chosen]), 0x1.fffffep-1f), u.y});
+    return cell_patch(root(element), part).at(place);
   }
   const std::uint32_t cluster = place_[element].cell;
   const auto first = member_share_.begin() + first_member_[cluster];

@@ -86,15 +86,25 @@ class ElementMesh {
     float u, v;
   };
 
-  /// By sixteenth of a cell, in proportion: the number 4 i + j is the quarter j of its quarter i (child_cell).
-  using Weights = std::array<std::uint8_t, 16>;
-  /// From now on points are drawn by these weights: what an element sees and sends is that of where rays from
-  /// afar meet it (R48). All 0: uniformly. REQUIRES: one entry a cell, in the order of elements.
+  /// Where rays meet a cell, by its sixteenths: the number 4 i + j is the quarter j of its quarter i (child_cell).
+  struct Weights {
+    std::array<std::uint8_t, 16> count{};  ///< in proportion
+    /// One of the places, where the count is not 0: coordinates in the sixteenth, as of a Location, from 0 to 255.
+    std::array<std::array<std::uint8_t, 2>, 16> place{};
+    bool operator==(const Weights&) const = default;
+  };
+  /// From now on points are drawn from these places by their counts: what an element sees and sends is that of where
+  /// rays from afar meet it (R48). Counts of 0: uniformly. REQUIRES: one entry a cell, in the order of elements.
   void weigh(std::vector<Weights> weights) { weights_ = std::move(weights); }
   /// As weigh() was told; empty: all points are drawn uniformly.
   [[nodiscard]] const std::vector<Weights>& weights() const { return weights_; }
-  /// The number of the sixteenth of a cell in which a place is. REQUIRES: it is not in a cluster.
-  [[nodiscard]] static std::uint32_t sixteenth_at(const Location& location);
+  /// A place in a cell: the number of the sixteenth, and where in that, as Location says.
+  struct Sixteenth {
+    std::uint32_t number;
+    float u, v;
+  };
+  /// REQUIRES: the place is not in a cluster.
+  [[nodiscard]] static Sixteenth sixteenth_at(const Location& location);
 
   [[nodiscard]] std::size_t count() const { return place_.size(); }
 
@@ -141,7 +151,7 @@ class ElementMesh {
   [[nodiscard]] Patch patch(std::uint32_t element, std::size_t k = 0) const;
   /// Area of the true surface, buried parts included.
   [[nodiscard]] double whole_area(std::uint32_t element) const;
-  /// A point uniform in area, or as weigh() says, for u uniform in the unit square.
+  /// A point uniform in area, or one of weigh()'s, for u uniform in the unit square.
   [[nodiscard]] ElementPoint sample(std::uint32_t element, const V2f& u) const;
 
   /// A point in the middle; of a cluster, in a triangle near the middle of its list.

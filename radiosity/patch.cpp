@@ -13,12 +13,16 @@ ElementPoint Patch::sample(const V2f& u) const {
     if (signed_radius < 0.0) std::swap(direction[1], direction[2]);
     return on_sphere_towards(square_to_spherical_triangle(u.x, u.y, direction[0], direction[1], direction[2]));
   }
-  const V2f b = square_to_triangle(u);
+  return at(square_to_triangle(u));
+}
+
+ElementPoint Patch::at(const V2f& b) const {
   if (disk || cylinder) {
-    const V2d at = parameter[0] + (parameter[1] - parameter[0]) * b.x + (parameter[2] - parameter[0]) * b.y;
-    return above(disk ? point_of(*disk, at) : point_of(*cylinder, at));
+    const V2d place = parameter[0] + (parameter[1] - parameter[0]) * b.x + (parameter[2] - parameter[0]) * b.y;
+    return above(disk ? point_of(*disk, place) : point_of(*cylinder, place));
   }
-  return {corner[0] + (corner[1] - corner[0]) * b.x + (corner[2] - corner[0]) * b.y, normal, offset};
+  const V3d flat = corner[0] + (corner[1] - corner[0]) * b.x + (corner[2] - corner[0]) * b.y;
+  return on_sphere ? above(flat) : ElementPoint{flat, normal, offset};
 }
 
 ElementPoint Patch::centroid() const { return above((corner[0] + corner[1] + corner[2]) * (1.0 / 3.0)); }

@@ -41,6 +41,9 @@ struct Patch {
   [[nodiscard]] ElementPoint sample(const V2f& u) const;
   /// The point in the middle.
   [[nodiscard]] ElementPoint centroid() const;
+  /// The point of the true surface with barycentric coordinates b of corners 1 and 2: of their parameters on a disk or
+  /// cylinder, else of the flat triangle.
+  [[nodiscard]] ElementPoint at(const V2f& b) const;
   /// The point of the true surface above a point of the flat triangle.
   [[nodiscard]] ElementPoint above(const V3d& flat) const;
 

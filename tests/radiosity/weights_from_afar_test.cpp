@@ -55,12 +55,51 @@ TEST(WeightsFromAfar, NothingIsDrawnWhereNobodySees) {
       lowest_drawn = std::min(lowest_drawn, z);
       highest_drawn = std::max(highest_drawn, z);
     }
-    // To a sixteenth's height.
-    EXPECT_GT(lowest_drawn, -0.5 * size);
+    // To what a byte rounds; above, to a sixteenth's height.
+    EXPECT_GT(lowest_drawn, -0.005 * size);
     EXPECT_GT(highest_drawn, high - 0.5 * size);
     if (low < -0.1 * size) ++astride;
   }
   EXPECT_GT(astride, 4);
+}
+
+// What a place in a sixteenth is turned into and back, on every kind of surface and both its sides.
+TEST(WeightsFromAfar, PointsAreDrawnWhereRaysCame) {
+  SceneDescription description;
+  test::add_diffuse(description, "flat", test::quad(V3f(-1, -1, 0), V3f(2, 0, 0), V3f(0, 2, 0)), C3f(0.5f));
+  test::add_diffuse(description, "ball", Sphere{V3f(4, 0, 0), 1.0f, false}, C3f(0.5f));
+  test::add_diffuse(description, "disk", Disk{V3f(8, 0, 0), V3f(1, 0, 0), V3f(0, 1, 0)}, C3f(0.5f));
+  test::add_diffuse(description, "can", Cylinder{V3f(12, 0, -1), 1.0f, 2.0f},
+                    C3f(0.5f));
+  const Diffuse white{C3f(0.5f)};
+  for (Material& material : description.materials) material = two_sided("both", white, white);
+  const Scene scene(description);
+  ElementMesh mesh = divide_surfaces(scene, 600);
+  int sides[4][2] = {};
+  for (std::uint32_t k = 0; k < 400; ++k) {
+    Sampler sampler(5, 0, k);
+    const V2f u = sampler.next_2d();
+    const V3f direction = unit(square_to_sphere(sampler.next_2d()));
+    const V3f target(4.0f * static_cast<float>(k % 4) + u.x - 0.5f, u.y - 0.5f, 0.0f);
+    const Ray ray{target + direction * (k % 3 == 0 ? 0.3f : 3.0f), -direction};
+    const Hit hit = scene.caster().intersect(ray);
+    if (hit.escaped()) continue;
+    const SurfacePoint point = scene.surface_point(ray, hit);
+    const ElementMesh::Location at = mesh.locate(point);
+    ASSERT_NE(at.element, no_index);
+    ++sides[point.shape][point.side];
+    const ElementMesh::Sixteenth part = ElementMesh::sixteenth_at(at);
+    std::vector<ElementMesh::Weights> weights(mesh.count());
+    weights[at.element].count[part.number] = 1;
+    weights[at.element].place[part.number] = {static_cast<std::uint8_t>(part.u * 255.0f + 0.5f),
+                                              static_cast<std::uint8_t>(part.v * 255.0f + 0.5f)};
+    mesh.weigh(weights);
+    const ElementPoint drawn = mesh.sample(at.element, sampler.next_2d());
+    EXPECT_LT((drawn.position - V3d(point.position)).length(), 0.01 * mesh.size(at.element)) << point.shape;
+    EXPECT_LT(drawn.normal.dot(V3d(ray.direction)), 0.0);
+  }
+  for (int shape = 0; shape < 4; ++shape)
+    for (int side = 0; side < 2; ++side) EXPECT_GT(sides[shape][side], 10) << shape << " " << side;
 }
 
 TEST(WeightsFromAfar, AreTheSameOnAnyNumberOfThreads) {
