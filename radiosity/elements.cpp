@@ -413,6 +413,11 @@ double ElementMesh::whole_area(std::uint32_t element) const {
   return sum;
 }
 
+std::array<std::uint8_t, 2> ElementMesh::Weights::packed(float u, float v) {
+  const auto byte = [](float x) { return static_cast<std::uint8_t>(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f); };
+  return {byte(u), byte(v)};
+}
+
 ElementMesh::Sixteenth ElementMesh::sixteenth_at(const Location& location) {
   float u = location.u, v = location.v;
   const std::uint32_t quarter = enter_quarter(u, v);

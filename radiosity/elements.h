@@ -91,6 +91,8 @@ class ElementMesh {
     std::array<std::uint8_t, 16> count{};  ///< in proportion
     /// One of the places, where the count is not 0: coordinates in the sixteenth, as of a Location, from 0 to 255.
     std::array<std::array<std::uint8_t, 2>, 16> place{};
+    /// A place as it is kept, to half a 255th.
+    static std::array<std::uint8_t, 2> packed(float u, float v);
     bool operator==(const Weights&) const = default;
   };
   /// From now on points are drawn from these places by their counts: what an element sees and sends is that of where
@@ -172,7 +174,8 @@ class ElementMesh {
   /// REQUIRES: !is_cluster(element).
   [[nodiscard]] ElementCell cell(std::uint32_t element) const;
   [[nodiscard]] std::span<const Shape> shapes() const { return shapes_; }
-  /// Of the elements: what an element takes beyond the scene, 24 bytes, and 20 for each triangle side.
+  /// Of the elements: what an element takes beyond the scene, 24 bytes and 48 where
+  /// cells are weighted, and 20 for each triangle side.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:

@@ -24,7 +24,8 @@ class Visits {
   /// Of all visits the place is that of the one with the least key.
   void add(std::uint64_t key, float u, float v) {
     count_.fetch_add(1, std::memory_order_relaxed);
-    const std::uint64_t mine = (key & ~std::uint64_t{0xffff}) | byte(u) << 8 | byte(v);
+    const auto [a, b] = ElementMesh::Weights::packed(u, v);
+    const std::uint64_t mine = (key & ~std::uint64_t{0xffff}) | std::uint64_t{a} << 8 | b;
     std::uint64_t least = least_.load(std::memory_order_relaxed);
     while (mine < least && !least_.compare_exchange_weak(least, mine, std::memory_order_relaxed)) {
     }
@@ -36,9 +37,6 @@ class Visits {
   }
 
  private:
-  static std::uint64_t byte(float x) {
-    return static_cast<std::uint64_t>(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f);
-  }
   std::atomic<std::uint32_t> count_{0};
   std::atomic<std::uint64_t> least_{~std::uint64_t{0}};  // key, and the place in its last two bytes
 };

@@ -50,7 +50,7 @@ void expect_agreement(const SceneDescription& description, const std::vector<Met
     const ElementMesh& mesh = solution.mesh();
     ASSERT_GT(mesh.count(), 20u);
     if (traced.empty())
-      for (std::uint32_t e = 0; e < mesh.count(); ++e) traced.push_back(traced_irradiance(path, mesh, e, 500));
+      for (std::uint32_t e = 0; e < mesh.count(); ++e) traced.push_back(traced_irradiance(path, mesh, e, 2000));
     ASSERT_EQ(mesh.count(), traced.size());
     // All elements together err with probability 1e-3 (Sidak); Sobol samples scatter less than assumed.
     const double level = test::sidak(1e-3, mesh.count());

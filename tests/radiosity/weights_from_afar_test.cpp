@@ -69,8 +69,7 @@ TEST(WeightsFromAfar, PointsAreDrawnWhereRaysCame) {
   test::add_diffuse(description, "flat", test::quad(V3f(-1, -1, 0), V3f(2, 0, 0), V3f(0, 2, 0)), C3f(0.5f));
   test::add_diffuse(description, "ball", Sphere{V3f(4, 0, 0), 1.0f, false}, C3f(0.5f));
   test::add_diffuse(description, "disk", Disk{V3f(8, 0, 0), V3f(1, 0, 0), V3f(0, 1, 0)}, C3f(0.5f));
-  test::add_diffuse(description, "can", Cylinder{V3f(12, 0, -1), 1.0f, 2.0f},
-                    C3f(0.5f));
+  test::add_diffuse(description, "can", Cylinder{V3f(12, 0, -1), 1.0f, 2.0f}, C3f(0.5f));
   const Diffuse white{C3f(0.5f)};
   for (Material& material : description.materials) material = two_sided("both", white, white);
   const Scene scene(description);
@@ -91,8 +90,7 @@ TEST(WeightsFromAfar, PointsAreDrawnWhereRaysCame) {
     const ElementMesh::Sixteenth part = ElementMesh::sixteenth_at(at);
     std::vector<ElementMesh::Weights> weights(mesh.count());
     weights[at.element].count[part.number] = 1;
-    weights[at.element].place[part.number] = {static_cast<std::uint8_t>(part.u * 255.0f + 0.5f),
-                                              static_cast<std::uint8_t>(part.v * 255.0f + 0.5f)};
+    weights[at.element].place[part.number] = ElementMesh::Weights::packed(part.u, part.v);
     mesh.weigh(weights);
     const ElementPoint drawn = mesh.sample(at.element, sampler.next_2d());
     EXPECT_LT((drawn.position - V3d(point.position)).length(), 0.01 * mesh.size(at.element)) << point.shape;
