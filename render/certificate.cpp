@@ -1,6 +1,7 @@
 #include "render/certificate.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "integrators/read_errors.h"
@@ -103,29 +104,46 @@ bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end
   return !interrupt_requested();
 }
 
-// The quotient of the sums, and its standard error from the scatter of the batches (I14).
+// The mean over the batches of what there is biased too much, if the bias were `bias`, and the half width of its
+// interval.
+struct Excess {
+  double mean, half_width;
+};
+Excess excess_over(double bias, const std::vector<Certificate::Batch>& of_batch) {
+  double sum = 0.0, squares = 0.0;
+  for (const auto& [biased, unbiased] : of_batch) sum += biased - (1.0 + bias) * unbiased;
+  const double mean = sum / batches;
+  for (const auto& [biased, unbiased] : of_batch) squares += std::pow(biased - (1.0 + bias) * unbiased - mean, 2.0);
+  return {mean, student_t * std::sqrt(squares / (batches - 1) / batches)};
+}
+
+// The quotient of the sums, and its interval from the scatter of the batches (I14).
 std::optional<Certificate> conclude(const AllSums& sums_of, std::uint32_t samples) {
   const auto& [of_batch, of_element] = sums_of;
   Sums all;
   for (const Sums& sums : of_batch) all.add(sums);
-  if (all.different < least_different || !(all.unbiased > 0.0)) return std::nullopt;
+  if (all.different < least_different) return std::nullopt;
   Certificate result;
-  result.mean = (all.biased - all.unbiased) / all.unbiased;
-  double squares = 0.0;
-  for (const Sums& sums : of_batch) {
-    const double residual = sums.biased - (1.0 + result.mean) * sums.unbiased;
-    squares += residual * residual;
+  for (const Sums& sums : of_batch) result.of_batch.push_back({sums.biased, sums.unbiased});
+  result.mean = result.ci95 = infinity_f;
+  if (all.unbiased > 0.0) {
+    result.mean = (all.biased - all.unbiased) / all.unbiased;
+    result.ci95 = excess_over(result.mean, result.of_batch).half_width / (all.unbiased / batches);
   }
-  const double mean = all.unbiased / batches;
-  result.ci95 = student_t * std::sqrt(squares / (batches - 1) / batches) / mean;
   result.samples = std::uint64_t{samples} * batches;
   result.counts = all.counts;
   result.of_element = of_element;
-  for (ElementError& error : result.of_element) error.scale(1.0 / all.unbiased);
+  if (const double mean = all.unbiased > 0.0 ? all.unbiased : all.biased; mean > 0.0)
+    for (ElementError& error : result.of_element) error.scale(1.0 / mean);
   return result;
 }
 
 }  // namespace
+
+bool Certificate::is_certainly_beyond(double bias) const {
+  const Excess above = excess_over(bias, of_batch), below = excess_over(-bias, of_batch);
+  return above.mean > above.half_width || -below.mean > below.half_width;
+}
 
 std::optional<Certificate> certify(const CertificateJob& job) {
   AllSums all;

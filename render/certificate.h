@@ -26,11 +26,20 @@ struct CertificateJob {
 /// What there is to say about a picture's mean over all pixels and channels, relative to the truth's: positive
 /// if the picture is too bright.
 struct Certificate {
-  double mean = 0.0;  ///< the estimate
-  double ci95 = 0.0;  ///< half width of its 95 % interval
+  double mean = 0.0;  ///< the estimate; infinite where the estimate of the truth is not above 0
+  double ci95 = 0.0;  ///< half width of its 95 % interval; infinite with `mean`
   std::uint64_t samples = 0;
   RayCounts counts;
-  /// By element, relative to the same mean: what the picture has from there, and of that, what is too much (I20).
+  /// Sums over the samples of independent batches.
+  struct Batch {
+    double biased = 0.0, unbiased = 0.0;
+  };
+  std::vector<Batch> of_batch{};
+  /// Whether, at the level of 95 %, the mean is off by more than so much of the truth's. The picture of a place that is
+  /// dark in truth is, whatever light it has (I14).
+  [[nodiscard]] bool is_certainly_beyond(double bias) const;
+  /// By element, relative to the truth's mean, or to the picture's where that is not above 0: what the picture has from
+  /// there, and of that, what is too much (I20).
   std::vector<ElementError> of_element{};
 };
 

@@ -1,6 +1,7 @@
 #include "render/pass_one.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numeric>
@@ -125,6 +126,14 @@ PreparedPassOne prepare(PassOneJob job, std::optional<CausticParticles>& particl
   return done;
 }
 
+std::string words_for(const Certificate& found) {
+  if (!(found.ci95 < std::abs(found.mean))) return "two passes would show light where paths find hardly any: ";
+  char text[160];
+  std::snprintf(text, sizeof text, "two passes would be biased by %+.2f %% +- %.2f %%: ", 100.0 * found.mean,
+                100.0 * found.ci95);
+  return text;
+}
+
 // Cuts the elements that paths found guilty, so that as much less guilt is left as the bias has to be smaller, and
 // solves again. False: there are none, or there are as many elements as there may be.
 bool refine(const PassOneJob& job, const Certificate& found, double most_bias, const CausticParticles& particles,
@@ -245,10 +254,8 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
                                                       .most_rays = goal.rays,
                                                       .close_enough = 0.3 * goal.most,
                                                       .elements = done.solution->mesh().count()});
-    if (!found || std::abs(found->mean) - found->ci95 <= goal.most) return done;
-    char text[160];
-    std::snprintf(text, sizeof text, "two passes would be biased by %+.2f %% +- %.2f %%: ", 100.0 * found->mean,
-                  100.0 * found->ci95);
+    if (!found || !found->is_certainly_beyond(goal.most)) return done;
+    const std::string text = words_for(*found);
     const Elapsed spent = done.time();
     const std::size_t before = done.solution->mesh().count();
     if (refinements-- > 0 && (goal.seconds <= 0.0 || 3.0 * spent.seconds <= goal.seconds) &&
@@ -258,9 +265,9 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
     } else if (!done.gathers_twice) {
       done.field.reset();
       done.gathers_twice = true;
-      say(std::string(text) + "nothing is looked up, and gathering goes over one more surface");
+      say(text + "nothing is looked up, and gathering goes over one more surface");
     } else {
-      say(std::string(text) + "paths are traced without pass one");
+      say(text + "paths are traced without pass one");
       PreparedPassOne paths;
       paths.solution_time = spent;
       return paths;
@@ -280,14 +287,15 @@ std::optional<Certificate> certify_picture(const CertifiedPicture& picture) {
   limits.clamp_direct = limits.clamp_indirect = infinity_f;
   const std::unique_ptr<Integrator> truth =
       make_integrator(IntegratorKind::unbiased, picture.scene, pass_one, limits);
-  return certify({.biased = picture.integrator,
-                  .unbiased = *truth,
-                  .camera = picture.camera,
-                  .width = picture.window.size.x,
-                  .height = picture.window.size.y,
-                  .corner = picture.window.corner,
-                  .seed = picture.seed,
-                  .most_rays = rays});
+  const std::optional<Certificate> found = certify({.biased = picture.integrator,
+                                                    .unbiased = *truth,
+                                                    .camera = picture.camera,
+                                                    .width = picture.window.size.x,
+                                                    .height = picture.window.size.y,
+                                                    .corner = picture.window.corner,
+                                                    .seed = picture.seed,
+                                                    .most_rays = rays});
+  return found && std::isfinite(found->mean) ? found : std::nullopt;
 }
 
 }  // namespace twopass

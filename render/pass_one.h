@@ -97,7 +97,8 @@ struct CertifiedPicture {
   std::uint32_t seed;
   RayCounts counts;  ///< of the picture
 };
-/// Measures the bias of a picture that reads a solution (I13), with about a twentieth of the picture's rays.
+/// Measures the bias of a picture that reads a solution (I13), with about a twentieth of the picture's rays. None where
+/// certify() has none, or finds the truth not above 0.
 std::optional<Certificate> certify_picture(const CertifiedPicture& picture);
 
 }  // namespace twopass

@@ -105,13 +105,41 @@ TEST(Certificate, ItsIntervalHoldsTheBiasAsOftenAsItSays) {
 
 TEST(Certificate, OfAnIntegratorWithoutBiasItHoldsZero) {
   const CoarseRoom room;
-  int held = 0;
+  int held = 0, beyond = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const std::optional<Certificate> certificate = certify(room.job(*room.path, seed));
     ASSERT_TRUE(certificate);
     if (std::abs(certificate->mean) <= certificate->ci95) ++held;
+    if (certificate->is_certainly_beyond(0.0)) ++beyond;
   }
   EXPECT_GE(held, 15);  // fewer: once in 3000
+  EXPECT_LE(beyond, 5);
+}
+
+// Where the truth is well known, what is certain is what the interval says.
+TEST(Certificate, IsCertainOfWhatLiesOutsideOfItsInterval) {
+  const CoarseRoom room;
+  const std::optional<Certificate> found = certify(room.job(*room.two_pass, 3, 1e6));
+  ASSERT_TRUE(found);
+  ASSERT_GT(found->mean, 4.0 * found->ci95);
+  EXPECT_TRUE(found->is_certainly_beyond(found->mean - 1.1 * found->ci95));
+  EXPECT_FALSE(found->is_certainly_beyond(found->mean - 0.9 * found->ci95));
+  Certificate dark = *found;
+  for (Certificate::Batch& batch : dark.of_batch) std::swap(batch.biased, batch.unbiased);
+  EXPECT_TRUE(dark.is_certainly_beyond(0.9 * found->mean / (1.0 + found->mean)));  // too dark
+  EXPECT_FALSE(dark.is_certainly_beyond(found->mean));
+}
+
+// Estimates of a truth of 0 scatter around it, so that a quotient says nothing.
+TEST(Certificate, IsCertainThatLightInTheDarkIsWrong) {
+  Certificate certificate;
+  for (int b = 0; b < 32; ++b) certificate.of_batch.push_back({1.0 + 0.01 * b, b % 2 == 0 ? 0.4 : -0.4});
+  EXPECT_TRUE(certificate.is_certainly_beyond(0.5));
+  // As far as the truth is known: here it may be as bright.
+  for (Certificate::Batch& batch : certificate.of_batch) batch.unbiased *= 20.0;
+  EXPECT_FALSE(certificate.is_certainly_beyond(0.5));
+  for (Certificate::Batch& batch : certificate.of_batch) batch.unbiased = 0.0;
+  EXPECT_TRUE(certificate.is_certainly_beyond(1e6));
 }
 
 TEST(Certificate, TakesTheRaysItMayAndStopsWhenItIsGoodEnough) {

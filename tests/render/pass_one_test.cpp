@@ -82,6 +82,39 @@ TEST(PassOne, IsSolvedAgainOnMoreElementsFirst) {
   EXPECT_EQ(room.said[0].find("elements instead of"), std::string::npos);
 }
 
+// A shelf through the wall of a dark room takes the light of the day outside in with it. Relative to a truth of 0 that
+// is without bounds, and whatever two passes show is wrong.
+TEST(PassOne, IsNotReadInADarkPlaceThatItsElementsCarryLightInto) {
+  SceneDescription description = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
+  test::add_diffuse(description, "shelf", test::quad(V3f(0.6f, 0.3f, 0.2f), V3f(1, 0, 0), V3f(0, 0.5f, 0)), C3f(0.8f));
+  description.environment = Environment(C3f(2.0f));
+  Room room{.scene = Scene(std::move(description)), .said = {}};
+  const auto job = [&] {
+    PassOneJob coarse = room.job();
+    coarse.radiosity.max_elements = 300;
+    return coarse;
+  };
+  const auto mean = [&](const PreparedPassOne& pass_one) {
+    const auto integrator = make_integrator(IntegratorKind::two_pass, room.scene, pass_one.view(), {});
+    double sum = 0.0;
+    RayCounts counts;
+    for (std::uint32_t k = 0; k < 4096; ++k) {
+      Sampler sampler(7, 0, k);
+      const V2f u = sampler.next_2d();
+      std::vector<PathSample> sample{{room.camera.ray({u.x * 32.0f, u.y * 24.0f}).ray, sampler}};
+      integrator->trace(sample, counts);
+      sum += mean_component(sample[0].seen.radiance);
+    }
+    return sum / 4096;
+  };
+  EXPECT_GT(mean(prepare_pass_one(job())), 1e-4);
+  const PreparedPassOne done = room.prepare(job(), {.rays = 5e4, .may_solve_again = false});
+  EXPECT_FALSE(done.solution);
+  EXPECT_EQ(mean(done), 0.0);
+  ASSERT_EQ(room.said.size(), 2u);
+  EXPECT_NE(room.said[0].find("where paths find hardly any"), std::string::npos);
+}
+
 TEST(PassOne, TheGuideIsForThePicturesRays) {
   constexpr PixelWindow picture{{0, 0}, {100, 100}};
   EXPECT_DOUBLE_EQ(rays_of({16, 0.0, 0.0}, picture, 2), 16 * 3e4);

@@ -30,7 +30,7 @@ int main(int count, char** arguments) {
     }
     if ((seed - first + 1) % 100 == 0 || seed + 1 == first + scenes) {
       std::printf(
-          "%u scenes, %d disagree, %d took the finest elements, mean of twopass / path - 1: %+.4f, "
+          "%u scenes, %d disagree, %d took the third try, mean of twopass / path - 1: %+.4f, "
           "slowest %.1f s CPU, %.0f MB\n",
           seed - first + 1, failures, third_tries, sum / weights, slowest,
           static_cast<double>(twopass::peak_memory_bytes()) / 1e6);

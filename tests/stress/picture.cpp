@@ -42,6 +42,44 @@ void measure(const Film& film, Picture& picture) {
   picture.error = std::sqrt(variance) / values;
 }
 
+// With the elements and the method that are asked for, and whatever bias comes of them.
+PreparedPassOne asked_pass_one(const Scene& scene, const Camera& camera, const Plan& plan, const Way& way,
+                               const PictureOptions& options) {
+  RadiosityOptions radiosity;
+  radiosity.solver = way.solver;
+  radiosity.form_factors = way.form_factors;
+  radiosity.max_elements = options.elements;
+  radiosity.rays_per_element = options.rays_per_element;
+  radiosity.hemicube_resolution = 16;
+  radiosity.seed = options.seed;
+  const PixelWindow window{{0, 0}, {options.width, options.height}};
+  return prepare_pass_one(
+      {.scene = scene,
+       .plan = plan,
+       .integrator = way.integrator,
+       .radiosity = radiosity_options(way.integrator, options.limits, camera, window, radiosity)});
+}
+
+// As `twopass render` does that is told nothing of it.
+PreparedPassOne chosen_pass_one(const Scene& scene, const Camera& camera, Plan& plan, IntegratorKind integrator,
+                                const PictureOptions& options) {
+  const PixelWindow window{{0, 0}, {options.width, options.height}};
+  const SamplingGoal sampling{options.samples, 0.0, 0.0};
+  const std::optional<ViewProbe> probe = fit_to_view(plan, integrator, scene, camera, window, options.limits,
+                                                     options.seed, rays_of(sampling, window, 1));
+  const PictureGoal goal = picture_goal(sampling, window, 1, probe);
+  RadiosityOptions radiosity;
+  radiosity.seed = options.seed;
+  PassOneJob job{.scene = scene,
+                 .plan = plan,
+                 .integrator = integrator,
+                 .radiosity = radiosity_options(integrator, options.limits, camera, window, radiosity, goal),
+                 .picture_rays = goal.rays};
+  if (!plan.radiosity_pass || integrator != IntegratorKind::two_pass) return prepare_pass_one(std::move(job));
+  return prepare_within_bias(std::move(job), camera, window, options.limits, bias_goal(sampling, window, 1),
+                             [](const std::string&) {});
+}
+
 }  // namespace
 
 std::string name_of(const Way& way) {
@@ -72,25 +110,15 @@ std::vector<Way> all_ways() {
 Picture render(const SceneDescription& description, const Way& way, const PictureOptions& options) {
   const Stopwatch stopwatch;
   Picture picture;
-  const Plan plan = plan_render(needs_of(description), way.integrator, options.limits);
+  Plan plan = plan_render(needs_of(description), way.integrator, options.limits);
   SceneDescription local = description;
   local.camera = camera_of(description);
   leave_out_duplicate_lamps(local);
   const Scene scene(centred(std::move(local)));
   const Camera camera(*scene.description().camera, options.width, options.height);
-  RadiosityOptions radiosity;
-  radiosity.solver = way.solver;
-  radiosity.form_factors = way.form_factors;
-  radiosity.max_elements = options.elements;
-  radiosity.rays_per_element = options.rays_per_element;
-  radiosity.hemicube_resolution = 16;
-  radiosity.seed = options.seed;
-  const PixelWindow window{{0, 0}, {options.width, options.height}};
-  const PreparedPassOne pass_one = prepare_pass_one(
-      {.scene = scene,
-       .plan = plan,
-       .integrator = way.integrator,
-       .radiosity = radiosity_options(way.integrator, options.limits, camera, window, radiosity)});
+  const PreparedPassOne pass_one = options.elements == 0
+                                       ? chosen_pass_one(scene, camera, plan, way.integrator, options)
+                                       : asked_pass_one(scene, camera, plan, way, options);
   if (pass_one.solution) picture.notes = pass_one.solution->stats().notes;
   const auto integrator = make_integrator(way.integrator, scene, pass_one.view(), options.limits);
   Film film(options.width, options.height);

@@ -1,4 +1,4 @@
-// A small picture of a scene, made as `twopass render` makes it, and what must hold of every picture.
+// A small picture of a scene, and what must hold of every picture.
 #pragma once
 
 #include <string>
@@ -38,8 +38,8 @@ struct PictureOptions {
   std::uint32_t seed = 1;
   PathLimits limits{};
   SamplerKind sampler = SamplerKind::independent;  ///< standard errors are honest
-  std::size_t elements = 150;
-  std::uint32_t rays_per_element = 256;
+  std::size_t elements = 150;  ///< 0: pass one is as `twopass render` has it by default, judged by its bias
+  std::uint32_t rays_per_element = 256;  ///< where elements are asked for
 };
 
 struct Picture {

@@ -127,7 +127,7 @@ Agreement compare_integrators(std::uint32_t seed) {
     std::size_t elements;
     std::uint32_t rays_per_element;
   };
-  for (const Try& attempt : {Try{16, 400, 128}, Try{512, 3000, 1024}, Try{512, 30000, 512}}) {
+  for (const Try& attempt : {Try{16, 400, 128}, Try{512, 3000, 1024}, Try{512, 0, 0}}) {
     ++result.tries;
     PictureOptions options;
     options.seed = seed + static_cast<std::uint32_t>(attempt.samples / 16);
