@@ -12,6 +12,7 @@ namespace {
 constexpr double least_particles = 64.0;
 // The largest and the smallest disks, as powers of two of the scene's largest edge.
 constexpr int coarsest = 5, finest = 12;
+static_assert(finest - coarsest < 8, "the levels of a block are the bits of a byte");
 
 // Bits of 12 coordinates' worth each, interleaved: cells of all sizes are ranges in this order.
 std::uint64_t interleaved(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
@@ -46,11 +47,14 @@ class CausticMap::Builder {
     std::sort(order.begin(), order.end());
     for (int level = coarsest; level <= finest; ++level) {
       const float radius = std::ldexp(edge, -level);
-      map_.levels_.push_back({radius, 0.5f / radius, {}, {}});
+      map_.levels_.push_back({radius, 0.5f / radius, {}, {}, {}});
     }
     descend(found, order, 0);
-    std::erase_if(map_.levels_, [](const Level& level) { return level.particle.empty(); });
+    std::erase_if(map_.levels_, [](const Level& level) { return level.arrival.empty(); });
     for (Level& level : map_.levels_) index(level);
+    map_.blocks_a_unit_ = blocks_of_an_edge / edge;
+    map_.levels_of_block_.resize(block(blocks_of_an_edge, 0, 0));
+    for (std::size_t k = 0; k < map_.levels_.size(); ++k) mark_blocks(k);
   }
 
  private:
@@ -79,11 +83,12 @@ class CausticMap::Builder {
           (depth < coarsest || effective_number(found, cell.subspan(begin, end - begin)) >= least_particles)) {
         descend(found, cell.subspan(begin, end - begin), depth + 1);
       } else {
-        const int level = std::clamp(depth - 1, coarsest, finest) - coarsest;
+        Level& level = map_.levels_[static_cast<std::size_t>(std::clamp(depth - 1, coarsest, finest) - coarsest)];
         for (std::size_t i = begin; i < end; ++i) {
           const CausticParticle& own = *found[cell[i].second];
-          map_.levels_[static_cast<std::size_t>(level)].particle.push_back(
-              {own.position, own.normal, own.power, own.light});
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            level.position[axis].push_back(own.position[static_cast<int>(axis)]);
+          level.arrival.push_back({own.normal, own.power, own.light});
         }
       }
       begin = end;
@@ -91,24 +96,45 @@ class CausticMap::Builder {
   }
 
   void index(Level& level) const {
-    const auto key = [&](const Particle& particle) {
-      const V3f at = (particle.position - map_.origin_) * level.cells_a_unit;
+    const auto key = [&](std::uint32_t particle) {
+      const V3f at = (level.at(particle) - map_.origin_) * level.cells_a_unit;
       const auto cell = [](float x) { return static_cast<std::uint32_t>(std::clamp(x, 0.0f, 0x1p20f)) + 1u; };
       return key_of(cell(at.x), cell(at.y), cell(at.z));
     };
-    std::stable_sort(level.particle.begin(), level.particle.end(),
-                     [&](const Particle& a, const Particle& b) { return key(a) < key(b); });
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (std::uint32_t i = 0; i < level.arrival.size(); ++i) order.emplace_back(key(i), i);
+    std::sort(order.begin(), order.end());
+    const Level before = level;
     std::vector<Cell> cells;
-    for (std::uint32_t i = 0; i < level.particle.size(); ++i) {
-      const std::uint64_t own = key(level.particle[i]);
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+      const auto [own, particle] = order[i];
       if (cells.empty() || cells.back().key != own) cells.push_back({own, i, i});
       cells.back().end = i + 1;
+      level.arrival[i] = before.arrival[particle];
+      for (std::size_t axis = 0; axis < 3; ++axis) level.position[axis][i] = before.position[axis][particle];
     }
+    for (std::vector<float>& coordinate : level.position) coordinate.resize(order.size() + lanes);
     level.cell.assign(std::bit_ceil(2 * cells.size() + 1), Cell{0, 0, 0});
     for (const Cell& cell : cells) {
       std::size_t slot = hash_word(cell.key);
       while (level.cell[slot & (level.cell.size() - 1)].key != 0) ++slot;
       level.cell[slot & (level.cell.size() - 1)] = cell;
+    }
+  }
+
+  // Those that the cubes around the level's disks touch, and a little more: coordinates are rounded.
+  void mark_blocks(std::size_t k) const {
+    const Level& level = map_.levels_[k];
+    const V3f reach(1.01f * level.radius);
+    const auto number = [](float x) { return std::clamp(static_cast<int>(x), 0, blocks_of_an_edge - 1); };
+    for (std::uint32_t i = 0; i < level.arrival.size(); ++i) {
+      const V3f position = level.at(i);
+      const V3f low = (position - reach - map_.origin_) * map_.blocks_a_unit_;
+      const V3f high = (position + reach - map_.origin_) * map_.blocks_a_unit_;
+      for (int x = number(low.x); x <= number(high.x); ++x)
+        for (int y = number(low.y); y <= number(high.y); ++y)
+          for (int z = number(low.z); z <= number(high.z); ++z)
+            map_.levels_of_block_[block(x, y, z)] |= static_cast<std::uint8_t>(1u << k);
     }
   }
 
@@ -123,7 +149,7 @@ CausticMap::CausticMap(const Scene& scene, const CausticParticles& particles) {
 
 std::size_t CausticMap::particles() const {
   std::size_t sum = 0;
-  for (const Level& level : levels_) sum += level.particle.size();
+  for (const Level& level : levels_) sum += level.arrival.size();
   return sum;
 }
 

@@ -56,6 +56,30 @@ TEST(CausticMap, OfFewParticlesIsTheSameButForItsNoise) {
   EXPECT_NEAR(mean_of_the_tile(scene, map).x / truth, 1.0f, 0.2f);
 }
 
+// Wherever its disk reaches, a particle is found: a small mirror throws the light of a small lamp into the middle of
+// the floor, in disks wider than that.
+TEST(CausticMap, HoldsThePowerThatHasArrived) {
+  const V3f x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  SceneDescription description = lamp_beside_a_mirror();
+  description.shapes[0].geometry = test::quad(V3f(1, 0.5f, 1), y * 0.05f, x * 0.05f);
+  description.shapes[2].geometry = test::quad(V3f(0, 0.5f, 0.5f), y * 0.05f, z * 0.05f);
+  const Scene scene(std::move(description));
+  const CausticParticles particles(scene, {.particles = std::size_t{1} << 12});
+  const CausticMap map(scene, particles);
+  double arrived = 0.0, found = 0.0;
+  for (const CausticParticle& particle : particles.all())
+    if (particle.is_caustic) arrived += static_cast<double>(particle.power.x);
+  constexpr int columns = 256, rows = 384;
+  for (int i = 0; i < columns; ++i)
+    for (int j = 0; j < rows; ++j) {
+      const float at_x = 2.0f * (static_cast<float>(i) + 0.5f) / columns;
+      const float at_y = 3.0f * (static_cast<float>(j) + 0.5f) / rows - 1.0f;
+      found += static_cast<double>(map.irradiance(floor_at(scene, at_x, at_y)).x) * 6.0 / (columns * rows);
+    }
+  EXPECT_GT(map.particles(), 10u);
+  EXPECT_NEAR(found / arrived, 1.0, 1e-4);
+}
+
 TEST(CausticMap, PartsAddUpByLight) {
   const Scene scene(lamp_beside_a_mirror());
   const CausticMap map(scene, CausticParticles(scene));
