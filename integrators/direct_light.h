@@ -14,15 +14,15 @@ struct Connection {
   std::uint32_t light;  ///< its number
 };
 
-/// What a surface sends on of a light sample if that is not weighted: of light that nothing else finds. `value`:
-/// the model's for it.
+/// What a surface sends on of a light sample if that is not weighted: of light that nothing else finds.
+/// `value`: the model's for it.
 inline C3f in_full(const Incident& incident, const C3f& value) {
   return value * incident.light.radiance * (incident.reached / incident.light.pdf_w);
 }
 
 /// The light sample as the surface would reflect it where `at` is the model's value for it: in full if the path
-/// ends there, else weighted against the scattered ray, which is drawn from a `guide`, if there is one, with the
-/// probability `share` (I11). REQUIRES: incident.reached > 0.
+/// ends there, else weighted against the scattered ray, which is drawn from a `guide`, if there is one, with
+/// the probability `share` (I11). REQUIRES: incident.reached > 0.
 inline Connection connection_to(const SurfacePoint& point, const Incident& incident, const BsdfValue& at,
                                 bool goes_on, const Guide::Lobe* guide, float share) {
   const LightSample& light = incident.light;

@@ -9,7 +9,8 @@ class IndirectField;
 class Solution;
 
 /// Results of pass one, each of which may be missing: integrators then do what they do without. REQUIRES: field
-/// and guide are of the solution, and without caustics where there is a map of them; all outlive who reads them.
+/// and guide are of the solution, and without caustics where there is a map of them; all outlive who reads
+/// them.
 struct PassOne {
   const Solution* solution = nullptr;
   const IndirectField* field = nullptr;  ///< null: indirect light is gathered everywhere

@@ -21,7 +21,8 @@ class ReadErrors {
  public:
   void begin() { of_vertex_.clear(); }
   [[nodiscard]] bool has_begun() const { return !of_vertex_.empty(); }
-  /// The path, which has found `seen` so far, comes to a vertex of an element, from where `carried` should come.
+  /// The path, which has found `seen` so far, comes to a vertex of an element, from where `carried` should
+  /// come.
   void arrive(std::uint32_t element, double seen, double carried) {
     close(seen + carried);
     of_vertex_.push_back({element, carried, carried});

@@ -48,7 +48,8 @@ IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
   if (cosine < least_cosine) return {};
   IndirectField::LookUp found = field_->at(vertex.place());
   const bool is_tilted = cosine < flat_cosine;
-  // How much of it coats let through depends on where light comes from: lamps are sampled there (radiosity, R50).
+  // How much of it coats let through depends on where light comes from: lamps are sampled there (radiosity,
+  // R50).
   if (found.known == Known::all && (is_tilted || !std::holds_alternative<Diffuse>(vertex.bsdf())))
     found = {Known::indirect, found.irradiance - field_->direct_at(vertex.place())};
   if (!is_tilted) return found;

@@ -97,16 +97,17 @@ Step Unbiased::at(Vertex& vertex) const {
   return step;
 }
 
-// (I20). What others than Lambert's surfaces reflect is more than the solution knows: theirs is left to the vertex
-// before.
+// (I20). What others than Lambert's surfaces reflect is more than the solution knows: theirs is left to the
+// vertex before.
 void Unbiased::record(const Vertex& vertex, const Irradiance& irradiance) const {
   if (!std::holds_alternative<Diffuse>(vertex.bsdf())) return;
   ReadErrors& errors = *vertex.sample().errors;
-  if (!errors.has_begun() && !(vertex.gathers() && resolves(solution_->mesh(), vertex.element(), vertex.distance())))
+  if (!errors.has_begun() &&
+      !(vertex.gathers() && resolves(solution_->mesh(), vertex.element(), vertex.distance())))
     return;
-  errors.arrive(vertex.element(), static_cast<double>(mean_component(vertex.sample().seen.radiance)),
-                static_cast<double>(
-                    mean_component(vertex.throughput() * reflected_radiance(vertex.bsdf(), irradiance))));
+  errors.arrive(
+      vertex.element(), static_cast<double>(mean_component(vertex.sample().seen.radiance)),
+      static_cast<double>(mean_component(vertex.throughput() * reflected_radiance(vertex.bsdf(), irradiance))));
 }
 
 // Adds the direct light that is known, and says how much it is.

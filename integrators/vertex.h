@@ -27,7 +27,7 @@ struct Carried {
   /// light that lamps send that way has not been added there (I19).
   bool over_specular = false;
   C3f uncharted{1.0f};
-  C3f expected{0.0f};          ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
+  C3f expected{0.0f};  ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
 };
 
 /// Lobes with less density than this, per steradian, count as broad: what they gather is blurred. Diffuse ones
@@ -35,9 +35,9 @@ struct Carried {
 inline constexpr float broad_lobe_pdf_w = 1.0f;
 
 /// Russian roulette (I4) of a path that carries `share` of its importance. Paths play that carry less than a
-/// quarter, and carry it again if they survive: playing already below 1 saves few rays for much variance. Others
-/// all but survive: where nothing is absorbed they end after 10,000 edges or so. To end them much earlier would
-/// leave the light of nearly white rooms to rare paths that are as bright as they are rare.
+/// quarter, and carry it again if they survive: playing already below 1 saves few rays for much variance.
+/// Others all but survive: where nothing is absorbed they end after 10,000 edges or so. To end them much
+/// earlier would leave the light of nearly white rooms to rare paths that are as bright as they are rare.
 inline float survival_probability(float share) {
   constexpr float least_share = 0.25f, most = 1.0f - 1e-4f;
   return std::min(share * (1.0f / least_share), most);
@@ -152,8 +152,8 @@ class Vertex {
     layers.add_scattered(carried_->throughput * radiance,
                          edges_ > 1 ? layers.scatter : FirstScatter{C3f(1.0f), false}, false, light);
   }
-  /// What lamps send here over surfaces that do not diffuse has been added, for what diffuse reflection makes of
-  /// it (I19): the path finds the rest of it.
+  /// What lamps send here over surfaces that do not diffuse has been added, for what diffuse reflection makes
+  /// of it (I19): the path finds the rest of it.
   void set_has_caustics() { caustics_ = Caustics::known; }
   /// The surface does not diffuse: what the last one that does has of it, the path does not find again.
   void pass_on_caustics() { caustics_ = Caustics::passed; }
@@ -187,8 +187,8 @@ class Vertex {
   /// The light sample with what it sends along the path. `at`: evaluate(incident.wi).
   /// REQUIRES: incident.reached > 0.
   [[nodiscard]] Connection connect(const Incident& incident, const BsdfValue& at) const {
-    Connection connection = connection_to(point_, incident, at, goes_on_, share_ > 0.0f ? &guide_ : nullptr,
-                                          share_);
+    Connection connection =
+        connection_to(point_, incident, at, goes_on_, share_ > 0.0f ? &guide_ : nullptr, share_);
     if (whole_) connection.radiance += in_full(incident, eval_diffuse(*whole_, wo(), incident.wi));
     if (caustics_ == Caustics::passed && connection.light < scene_->shapes().size())
       connection.radiance *= carried_->uncharted;
@@ -353,7 +353,8 @@ class Vertex {
     return is_black(diffuse_reflectance(*bsdf_)) ? 0.0f : share_of_mixed;
   }
 
-  // Of what the surface sends along the path from the direction drawn, the part that is not reflected diffusely.
+  // Of what the surface sends along the path from the direction drawn, the part that is not reflected
+  // diffusely.
   [[nodiscard]] C3f glossy_share(const BsdfSample& drawn) const {
     C3f share(0.0f);
     if (std::holds_alternative<Diffuse>(*bsdf_)) return share;
@@ -388,8 +389,9 @@ class Vertex {
   SurfacePoint point_;
   Bsdf resolved_;  // the model, where it varies over the surface; before bsdf_, which may point to it
   const Bsdf* bsdf_;
-  const Bsdf* whole_ = nullptr;  // where bsdf_ has no diffuse lobes, the model that says how lamps are reflected
-  Bsdf rest_;                    // without diffuse lobes
+  const Bsdf* whole_ =
+      nullptr;  // where bsdf_ has no diffuse lobes, the model that says how lamps are reflected
+  Bsdf rest_;   // without diffuse lobes
 };
 
 }  // namespace twopass

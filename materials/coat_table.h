@@ -25,9 +25,9 @@ struct CoatTable {
   }
 };
 
-/// The table of a coat of this index of refraction (coat over outside). Tables are computed once (about 90 ms (Beckmann) or 13 ms (GGX))
-/// and kept until the program ends, so that models that point to them stay small and cheap to copy: a shared
-/// owner would count references at every hit. REQUIRES: finite arguments.
+/// The table of a coat of this index of refraction (coat over outside). Tables are computed once (about 90 ms
+/// (Beckmann) or 13 ms (GGX)) and kept until the program ends, so that models that point to them stay small and
+/// cheap to copy: a shared owner would count references at every hit. REQUIRES: finite arguments.
 const CoatTable& coat_table(Microfacet distribution, float alpha, float eta);
 
 }  // namespace twopass

@@ -34,13 +34,14 @@ DiffuseResponse::DiffuseResponse(const MaterialSide& side) {
   constexpr int choices = 4;
   for (int c = 0; c < choices; ++c) {
     ShadingGeometry anywhere;
-    Bsdf bsdf = side.is_uniform() ? side.uniform()
-                                  : side.resolve(anywhere, (static_cast<float>(c) + 0.5f) / choices);
+    Bsdf bsdf =
+        side.is_uniform() ? side.uniform() : side.resolve(anywhere, (static_cast<float>(c) + 0.5f) / choices);
     for (std::size_t k = 0; k <= steps; ++k)
       albedo[k] += diffuse_albedo_at(bsdf, static_cast<double>(k) / steps);
     if (side.is_uniform()) break;
   }
-  // The mean over evenly distributed light, 2 times the integral of a(c) c dc, exact for what is linear between.
+  // The mean over evenly distributed light, 2 times the integral of a(c) c dc, exact for what is linear
+  // between.
   double mean = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
     const double a = albedo[k], slope = albedo[k + 1] - a, c0 = static_cast<double>(k) / steps, h = 1.0 / steps;

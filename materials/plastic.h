@@ -77,8 +77,7 @@ struct Plastic {
  private:
   // The base after bounces; radiance that leaves the coat is divided by eta^2 (M2).
   [[nodiscard]] C3f base() const {
-    return base_after_bounces(base_reflectance, fresnel_diffuse_escape(eta), nonlinear) *
-           (1.0f / (eta * eta));
+    return base_after_bounces(base_reflectance, fresnel_diffuse_escape(eta), nonlinear) * (1.0f / (eta * eta));
   }
   [[nodiscard]] float transmitted(float cosine) const {
     float cos_t;

@@ -29,7 +29,7 @@ struct Principled {
   float diffuse_reflectance_sampling_rate = 1.0f;
   float main_specular_sampling_rate = 1.0f;
   float clearcoat_sampling_rate = 1.0f;
-  bool inside = false;  ///< the viewer is behind the surface, where only the glass answers
+  bool inside = false;      ///< the viewer is behind the surface, where only the glass answers
   bool has_diffuse = true;  ///< false: without the diffuse and sheen lobes
 
   /// The model for the back of the same surface: only its glass, with the inverse index; black without glass.

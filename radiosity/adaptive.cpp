@@ -52,10 +52,12 @@ double seen_in(double part, const Range& range) {
 }
 
 // Elements that follow each other lie beside each other. Their relative error, from that of the elements around
-// them as far as their own is lost in noise: halves of halves, each as far from the whole as is more than chance.
+// them as far as their own is lost in noise: halves of halves, each as far from the whole as is more than
+// chance.
 class RelativeErrors {
  public:
-  explicit RelativeErrors(std::span<const ElementError> errors) : sums_(errors.size() + 1), result_(errors.size()) {
+  explicit RelativeErrors(std::span<const ElementError> errors)
+      : sums_(errors.size() + 1), result_(errors.size()) {
     for (std::size_t i = 0; i < errors.size(); ++i) {
       sums_[i + 1] = sums_[i];
       sums_[i + 1].carried += errors[i].carried;
@@ -136,7 +138,8 @@ std::vector<bool> elements_to_split(const ElementMesh& mesh, std::span<const Irr
 std::vector<double> guilt_of(const ElementMesh& mesh, std::span<const Irradiance> irradiance,
                              std::span<const ElementError> errors) {
   std::vector<double> contrast(mesh.count(), 0.0), guilt(mesh.count(), 0.0);
-  for_each_range(mesh, irradiance, [&](std::uint32_t i, const Range& range) { contrast[i] = seen_in(1.0, range); });
+  for_each_range(mesh, irradiance,
+                 [&](std::uint32_t i, const Range& range) { contrast[i] = seen_in(1.0, range); });
   double carried = 0.0, mean = 0.0;
   for (std::uint32_t i = 0; i < mesh.count(); ++i) {
     carried += errors[i].carried;

@@ -47,8 +47,8 @@ struct ElementError {
 /// noise; 0 for those that cannot be split. REQUIRES: one irradiance and one error an element.
 std::vector<double> guilt_of(const ElementMesh& mesh, std::span<const Irradiance> irradiance,
                              std::span<const ElementError> errors);
-/// How often to cut each element into four, the guiltiest most often, so that no more guilt is left than `enough`
-/// or there are about `most` elements (never more): an element that is cut has half of its guilt left.
+/// How often to cut each element into four, the guiltiest most often, so that no more guilt is left than
+/// `enough` or there are about `most` elements (never more): an element that is cut has half of its guilt left.
 std::vector<std::uint8_t> cuts_for(std::span<const double> guilt, double enough, std::size_t most);
 
 }  // namespace twopass

@@ -104,8 +104,8 @@ ExchangeMatrix exchange_by(FormFactorMethod method, const Scene& scene, const El
 }
 
 // What reaches elements before the first diffuse reflection, but not straight from emitters.
-void add_sky_and_caustics(std::vector<C3d>& direct, const ElementMesh& mesh,
-                          const RaySurvey& survey, const CausticParticles& caustics) {
+void add_sky_and_caustics(std::vector<C3d>& direct, const ElementMesh& mesh, const RaySurvey& survey,
+                          const CausticParticles& caustics) {
   for (std::uint32_t i = 0; i < mesh.count(); ++i) direct[i] += C3d(survey.sky[i]);
   for (const CausticParticle& particle : caustics.all()) {
     const std::uint32_t element = mesh.find(particle.point());

@@ -7,8 +7,8 @@ namespace twopass {
 
 namespace {
 
-// Disks reach as far as the smallest cells with so many particles: on a plane they have about three times as many.
-// Of such that carry unequal power, those that carry little count for less.
+// Disks reach as far as the smallest cells with so many particles: on a plane they have about three times as
+// many. Of such that carry unequal power, those that carry little count for less.
 constexpr double least_particles = 64.0;
 // The largest and the smallest disks, as powers of two of the scene's largest edge.
 constexpr int coarsest = 5, finest = 12;
@@ -72,18 +72,20 @@ class CausticMap::Builder {
     return squares > 0.0 ? sum * sum / squares : 0.0;
   }
 
-  // (R49): the particles of a cell with enough of them, of the depth above the given one: those of its parts with
-  // enough have smaller disks, the others its own, for a single particle among few would show.
+  // (R49): the particles of a cell with enough of them, of the depth above the given one: those of its parts
+  // with enough have smaller disks, the others its own, for a single particle among few would show.
   void descend(const Found& found, std::span<const std::pair<std::uint64_t, std::uint32_t>> cell, int depth) {
     for (std::size_t begin = 0; begin < cell.size();) {
       std::size_t end = begin;
       const int shift = 3 * (finest - depth - 1);
-      while (end < cell.size() && (depth == finest || cell[end].first >> shift == cell[begin].first >> shift)) ++end;
+      while (end < cell.size() && (depth == finest || cell[end].first >> shift == cell[begin].first >> shift))
+        ++end;
       if (depth < finest &&
           (depth < coarsest || effective_number(found, cell.subspan(begin, end - begin)) >= least_particles)) {
         descend(found, cell.subspan(begin, end - begin), depth + 1);
       } else {
-        Level& level = map_.levels_[static_cast<std::size_t>(std::clamp(depth - 1, coarsest, finest) - coarsest)];
+        Level& level =
+            map_.levels_[static_cast<std::size_t>(std::clamp(depth - 1, coarsest, finest) - coarsest)];
         for (std::size_t i = begin; i < end; ++i) {
           const CausticParticle& own = *found[cell[i].second];
           for (std::size_t axis = 0; axis < 3; ++axis)

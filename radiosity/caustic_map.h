@@ -1,5 +1,5 @@
-// Light that lamps throw onto surfaces over mirrors, glass and metals, kept as the particles that carry it: finer
-// than elements, and found where paths from the camera would find a small lamp by chance.
+// Light that lamps throw onto surfaces over mirrors, glass and metals, kept as the particles that carry it:
+// finer than elements, and found where paths from the camera would find a small lamp by chance.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 
 namespace twopass {
 
-/// The irradiance L (S|G)+ D from emitting shapes: over one or more surfaces that scatter without diffusing, to the
-/// first that diffuses. A particle's power is spread over a disk around it that is the smaller the more particles
-/// there are (R49). Const and thread-safe once built; the same bits on any number of threads.
+/// The irradiance L (S|G)+ D from emitting shapes: over one or more surfaces that scatter without diffusing, to
+/// the first that diffuses. A particle's power is spread over a disk around it that is the smaller the more
+/// particles there are (R49). Const and thread-safe once built; the same bits on any number of threads.
 class CausticMap {
  public:
   /// Of the particles that are caustics; they may be forgotten afterwards.
@@ -34,7 +34,8 @@ class CausticMap {
   /// The same in parts: calls `use(irradiance, light)`, with the light's number as in Lights.
   template <class Use>
   void visit(const SurfacePoint& point, const Use& use) const {
-    for (unsigned levels = levels_at((point.position - origin_) * blocks_a_unit_); levels != 0; levels &= levels - 1) {
+    for (unsigned levels = levels_at((point.position - origin_) * blocks_a_unit_); levels != 0;
+         levels &= levels - 1) {
       const Level& level = levels_[static_cast<std::size_t>(std::countr_zero(levels))];
       // Disks reach less than a cell's edge: the eight cells around the nearest corner of cells hold all.
       const V3f at = (point.position - origin_) * level.cells_a_unit;
@@ -93,7 +94,9 @@ class CausticMap {
     for (int axis = 0; axis < 3; ++axis)
       if (!(place[axis] >= 0.0f && place[axis] <= blocks_of_an_edge)) return 0;
     const auto number = [](float x) { return std::min(static_cast<int>(x), blocks_of_an_edge - 1); };
-    return levels_of_block_.empty() ? 0u : levels_of_block_[block(number(place.x), number(place.y), number(place.z))];
+    return levels_of_block_.empty()
+               ? 0u
+               : levels_of_block_[block(number(place.x), number(place.y), number(place.z))];
   }
 
   // Of cells numbered from 1 on, so that none has the key 0.
@@ -105,8 +108,8 @@ class CausticMap {
   static constexpr std::uint32_t lanes = 4;
   using Floats [[gnu::vector_size(16)]] = float;
   using Pairs [[gnu::vector_size(16)]] = std::int64_t;
-  // Of those from `begin` on, at most to `end`: only what lies on the same surface, more or less flat, facing the same
-  // way.
+  // Of those from `begin` on, at most to `end`: only what lies on the same surface, more or less flat, facing
+  // the same way.
   template <class Use>
   static void add(const Level& level, std::uint32_t begin, std::uint32_t end, const SurfacePoint& point,
                   const Use& use) {

@@ -48,13 +48,14 @@ class Shooter {
   [[nodiscard]] std::vector<double> even() const {
     std::vector<double> p(bin_count());
     for (std::size_t b = 0; b < p.size(); ++b)
-      p[b] = (groups_ == 1 ? 1.0 : static_cast<double>(choice_.probability(static_cast<std::uint32_t>(b / bins)))) /
+      p[b] = (groups_ == 1 ? 1.0
+                           : static_cast<double>(choice_.probability(static_cast<std::uint32_t>(b / bins)))) /
              bins;
     return p;
   }
 
-  // Shoots one of so many particles out of a bin that is chosen `over` times as often as light would: adds where it
-  // arrives.
+  // Shoots one of so many particles out of a bin that is chosen `over` times as often as light would: adds
+  // where it arrives.
   void shoot(std::size_t bin, double over, const V2f& in_bin, std::size_t count, Sampler& sampler,
              std::vector<CausticParticle>& arrived, std::uint64_t& rays) const {
     const V2f u = sampler.next_2d();
@@ -73,8 +74,10 @@ class Shooter {
     const LampSurface& lamp = lamps_[index];
     const ElementPoint start = lamp.patch.sample(place);
     const auto ring = static_cast<float>(bin % bins / sectors), sector = static_cast<float>(bin % sectors);
-    const V3f direction = Frame(V3f(start.normal)).to_world(square_to_cosine_hemisphere(
-        {(ring + in_bin.x) / static_cast<float>(rings), (sector + in_bin.y) / static_cast<float>(sectors)}));
+    const V3f direction =
+        Frame(V3f(start.normal))
+            .to_world(square_to_cosine_hemisphere({(ring + in_bin.x) / static_cast<float>(rings),
+                                                   (sector + in_bin.y) / static_cast<float>(sectors)}));
     const Ray ray{start.ray_position(), direction};
     const Hit hit = scene_.caster().intersect(ray);
     ++rays;
@@ -113,8 +116,8 @@ struct Shot {
   std::vector<CausticParticle> particles;
   std::vector<std::uint32_t> bin;
 };
-Shot shoot_all(const Shooter& shooter, std::uint32_t round, std::size_t count, const DiscreteDistribution& choice,
-               const std::vector<double>& even, std::uint64_t& rays) {
+Shot shoot_all(const Shooter& shooter, std::uint32_t round, std::size_t count,
+               const DiscreteDistribution& choice, const std::vector<double>& even, std::uint64_t& rays) {
   std::vector<Shot> parts((count + piece - 1) / piece);
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -162,8 +165,8 @@ CausticParticles::CausticParticles(const Scene& scene, const CausticParticlesOpt
   const std::vector<double> even = shooter.even();
   std::vector<double> aim(shooter.bin_count(), 0.0);
   double power = 0.0, caustic_power = 0.0;
-  const Shot pilot = shoot_all(shooter, 0, std::min(pilot_particles, options.particles), DiscreteDistribution(even),
-                               even, rays_);
+  const Shot pilot = shoot_all(shooter, 0, std::min(pilot_particles, options.particles),
+                               DiscreteDistribution(even), even, rays_);
   for (std::size_t i = 0; i < pilot.particles.size(); ++i) {
     const double own = mean_component(pilot.particles[i].power);
     aim[pilot.bin[i]] += own;

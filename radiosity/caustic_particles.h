@@ -1,5 +1,5 @@
-// Light that lamps throw onto surfaces that diffuse, over mirrors, glass, metals and coats: shot from the lamps,
-// because small ones are rarely found from the other end.
+// Light that lamps throw onto surfaces that diffuse, over mirrors, glass, metals and coats: shot from the
+// lamps, because small ones are rarely found from the other end.
 #pragma once
 
 #include <span>
@@ -23,7 +23,8 @@ struct CausticParticle {
   C3f power;             ///< W
   std::uint32_t light;   ///< its number, as in Lights
   Side side;
-  bool is_caustic;  ///< it has come over surfaces alone that scatter without diffusing, L (S|G)+ D; others over coats
+  bool is_caustic;  ///< it has come over surfaces alone that scatter without diffusing, L (S|G)+ D; others over
+                    ///< coats
 
   [[nodiscard]] SurfacePoint point() const;
 };

@@ -112,8 +112,9 @@ class AnalyticDirect {
       if (!(area > 0.0)) continue;
       for (std::size_t e = 0; e < emitters_.size(); ++e) {
         if (!(exchange(i, e) > 0.0)) continue;
-        direct.irradiance[i] += emitters_[e].exitance *
-                                (exchange(i, e) / area * mean_response(response, static_cast<std::uint32_t>(i), e, seed));
+        direct.irradiance[i] +=
+            emitters_[e].exitance *
+            (exchange(i, e) / area * mean_response(response, static_cast<std::uint32_t>(i), e, seed));
         if (!emitters_[e].is_element) direct.exchange_with_lamps[i] += exchange(i, e);
       }
     }
@@ -247,8 +248,8 @@ std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       if (!(mesh.area(i) > 0.0)) continue;
       // Buried points receive nothing: the exposed ones have it all.
-      irradiance[i] =
-          sampled_irradiance(scene, lights, mesh, response.of(i), seed, i, own_rays) * (mesh.whole_area(i) / mesh.area(i));
+      irradiance[i] = sampled_irradiance(scene, lights, mesh, response.of(i), seed, i, own_rays) *
+                      (mesh.whole_area(i) / mesh.area(i));
     }
     rays_cast += own_rays;
   });

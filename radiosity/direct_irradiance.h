@@ -8,7 +8,8 @@
 namespace twopass {
 
 struct DirectIrradiance {
-  /// By element, W/m2: weighted by how much of light from there the element's material reflects diffusely (R50).
+  /// By element, W/m2: weighted by how much of light from there the element's material reflects diffusely
+  /// (R50).
   std::vector<C3d> irradiance;
   /// By element, in units of area: what it exchanges with emitting sides that are no elements. Empty when the
   /// emitters were sampled (too many, or analytic surfaces).
@@ -16,10 +17,10 @@ struct DirectIrradiance {
 };
 
 /// Up to `most_analytic_emitters` emitting triangles: analytic form factors times the visible fraction;
-/// emitters are not divided. More of them, or analytic surfaces: sampled points on the lights and sampled directions,
-/// combined by the balance heuristic. Punctual lights: `punctual_irradiance`. `conserve`: scale the factors of
-/// each emitter so that all of its power arrives; for closed scenes in which every side is an element. `rays`
-/// is increased.
+/// emitters are not divided. More of them, or analytic surfaces: sampled points on the lights and sampled
+/// directions, combined by the balance heuristic. Punctual lights: `punctual_irradiance`. `conserve`: scale the
+/// factors of each emitter so that all of its power arrives; for closed scenes in which every side is an
+/// element. `rays` is increased.
 DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
                                    bool conserve, std::uint32_t seed, std::uint64_t& rays);
 

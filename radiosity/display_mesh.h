@@ -13,7 +13,7 @@ struct DisplaySide {
   std::uint32_t shape;
   Side side;
   std::vector<V3f> position;  ///< in the world
-  std::vector<C3f> color;  ///< by position: linear, in [0, 1]
+  std::vector<C3f> color;     ///< by position: linear, in [0, 1]
   std::vector<V3u> triangle;
 };
 

@@ -414,7 +414,9 @@ double ElementMesh::whole_area(std::uint32_t element) const {
 }
 
 std::array<std::uint8_t, 2> ElementMesh::Weights::packed(float u, float v) {
-  const auto byte = [](float x) { return static_cast<std::uint8_t>(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f); };
+  const auto byte = [](float x) {
+    return static_cast<std::uint8_t>(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f);
+  };
   return {byte(u), byte(v)};
 }
 
@@ -460,7 +462,8 @@ void ElementMesh::expose(std::span<const float> fraction) {
 
 std::size_t ElementMesh::memory_bytes() const {
   return roots_.size() * sizeof(ElementRoot) + count() * (sizeof(Place) + sizeof(float)) +
-         count() * sizeof(reflectance_[0]) + weights_.size() * sizeof(Weights) + shapes_.size() * sizeof(first_root_[0]) +
+         count() * sizeof(reflectance_[0]) + weights_.size() * sizeof(Weights) +
+         shapes_.size() * sizeof(first_root_[0]) +
          (cells_.size() + first_member_.size() + member_.size() + member_share_.size()) * sizeof(std::uint32_t);
 }
 

@@ -86,17 +86,20 @@ class ElementMesh {
     float u, v;
   };
 
-  /// Where rays meet a cell, by its sixteenths: the number 4 i + j is the quarter j of its quarter i (child_cell).
+  /// Where rays meet a cell, by its sixteenths: the number 4 i + j is the quarter j of its quarter i
+  /// (child_cell).
   struct Weights {
     std::array<std::uint8_t, 16> count{};  ///< in proportion
-    /// One of the places, where the count is not 0: coordinates in the sixteenth, as of a Location, from 0 to 255.
+    /// One of the places, where the count is not 0: coordinates in the sixteenth, as of a Location, from 0 to
+    /// 255.
     std::array<std::array<std::uint8_t, 2>, 16> place{};
     /// A place as it is kept, to half a 255th.
     static std::array<std::uint8_t, 2> packed(float u, float v);
     bool operator==(const Weights&) const = default;
   };
-  /// From now on points are drawn from these places by their counts: what an element sees and sends is that of where
-  /// rays from afar meet it (R48). Counts of 0: uniformly. REQUIRES: one entry a cell, in the order of elements.
+  /// From now on points are drawn from these places by their counts: what an element sees and sends is that of
+  /// where rays from afar meet it (R48). Counts of 0: uniformly. REQUIRES: one entry a cell, in the order of
+  /// elements.
   void weigh(std::vector<Weights> weights) { weights_ = std::move(weights); }
   /// As weigh() was told; empty: all points are drawn uniformly.
   [[nodiscard]] const std::vector<Weights>& weights() const { return weights_; }
@@ -214,7 +217,10 @@ class ElementMesh {
 class ElementSampler {
  public:
   ElementSampler(const ElementMesh& mesh, std::uint32_t element)
-      : mesh_(mesh), element_(element), patch_(mesh.patch(element)), is_even_cell_(mesh.is_even_cell(element)) {}
+      : mesh_(mesh),
+        element_(element),
+        patch_(mesh.patch(element)),
+        is_even_cell_(mesh.is_even_cell(element)) {}
   /// As ElementMesh::sample().
   [[nodiscard]] ElementPoint operator()(const V2f& u) const {
     return is_even_cell_ ? patch_.sample(u) : mesh_.sample(element_, u);

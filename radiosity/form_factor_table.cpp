@@ -7,11 +7,11 @@
 #include "radiosity/table_closure.h"
 #include "radiosity/visibility.h"
 #include "radiosity/visible_exchange.h"
-#include "render/scene/centred_scene.h"
 #include "render/core/error.h"
 #include "render/core/interrupt.h"
 #include "render/core/parallel.h"
 #include "render/core/sampler.h"
+#include "render/scene/centred_scene.h"
 
 namespace twopass {
 
@@ -198,7 +198,7 @@ FormFactorMethod choose_method(const ShapeFronts& fronts, const FormFactorOption
   switch (options.method) {
     case FormFactorMethod::automatic:
       return !analytic && fronts.patch.size() <= most_triangles_automatic ? FormFactorMethod::exact
-                                                                         : FormFactorMethod::rays;
+                                                                          : FormFactorMethod::rays;
     case FormFactorMethod::rays:
       return FormFactorMethod::rays;
     case FormFactorMethod::hemicube:
@@ -215,7 +215,8 @@ FormFactorMethod choose_method(const ShapeFronts& fronts, const FormFactorOption
                     "use --method rays");
   }
   if (analytic)
-    throw Error("form factors", "this method divides surfaces into triangles, and the scene has spheres, disks or cylinders",
+    throw Error("form factors",
+                "this method divides surfaces into triangles, and the scene has spheres, disks or cylinders",
                 "use --method rays");
   return options.method;
 }

@@ -17,9 +17,9 @@ enum class LookUp : std::uint8_t {
   lamps     ///< that light
 };
 
-/// Solves once a group, on the elements of the solution of all lights (R45). Light is linear, so that the groups add
-/// up to it, within the errors of the solvers. REQUIRES: `solution` is of the scene; options as for it. Throws what
-/// solve_radiosity throws.
+/// Solves once a group, on the elements of the solution of all lights (R45). Light is linear, so that the
+/// groups add up to it, within the errors of the solvers. REQUIRES: `solution` is of the scene; options as for
+/// it. Throws what solve_radiosity throws.
 GroupedIrradiance solve_by_group(const Scene& scene, const LightGroups& groups, const Solution& solution,
                                  const RadiosityOptions& options);
 

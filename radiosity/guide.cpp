@@ -34,7 +34,8 @@ template <class Word, std::size_t n>
 int find_bin(const std::array<Word, n>& cumulative, float x) {
   const auto at = static_cast<Word>(x);
   Word bin = 0;
-  for (const Word entry : cumulative) bin += entry <= at ? 1 : 0;  // in a few instructions, and none to mispredict
+  for (const Word entry : cumulative)
+    bin += entry <= at ? 1 : 0;  // in a few instructions, and none to mispredict
   return std::min<int>(bin, static_cast<int>(n) - 1);
 }
 
@@ -144,7 +145,8 @@ float Guide::Lobe::pdf_w(const V3f& direction) const {
   const float sin2 = local.x * local.x + local.y * local.y;
   const int row = std::min(static_cast<int>(sin2 * static_cast<float>(rows)), rows - 1);
   return density(interval_of(cell_->row, row),
-                 interval_of(cell_->column[static_cast<std::size_t>(row)], sector_of(local.x, local.y)), local.z);
+                 interval_of(cell_->column[static_cast<std::size_t>(row)], sector_of(local.x, local.y)),
+                 local.z);
 }
 
 std::size_t Guide::memory_bytes() const {
@@ -295,7 +297,8 @@ class Guide::Builder {
     squares.own.resize(cells.size(), Weights{});
     for (std::size_t i = 0; i < cells.size(); ++i) add(cells[i], i, radiance[i], scale, squares);
     // All rays together stay within what the largest number of cells would take.
-    const std::size_t rounds = std::clamp<std::size_t>(options_.max_cells / (cells_.size() - 1), 1, most_rounds);
+    const std::size_t rounds =
+        std::clamp<std::size_t>(options_.max_cells / (cells_.size() - 1), 1, most_rounds);
     if (evenness(squares.whole) < concentrated)
       for (std::uint32_t round = 1; round < rounds; ++round)
         for (std::size_t i = 0; i < cells.size(); ++i)
@@ -350,10 +353,10 @@ class Guide::Builder {
     std::vector<Sampler> samplers;
     for (int bin = 0; bin < bins; ++bin)
       for (int k = 0; k < options_.rays_per_bin; ++k) {
-        Sampler& sampler = samplers.emplace_back(
-            options_.seed, static_cast<std::uint32_t>(cell),
-            (round * bins + static_cast<std::uint32_t>(bin)) * static_cast<std::uint32_t>(options_.rays_per_bin) +
-                static_cast<std::uint32_t>(k));
+        Sampler& sampler = samplers.emplace_back(options_.seed, static_cast<std::uint32_t>(cell),
+                                                 (round * bins + static_cast<std::uint32_t>(bin)) *
+                                                         static_cast<std::uint32_t>(options_.rays_per_bin) +
+                                                     static_cast<std::uint32_t>(k));
         V2f u = sampler.next_2d();
         const DiscreteDistribution::Choice chosen = choice.sample(u.x);
         u.x = chosen.remapped;

@@ -51,7 +51,8 @@ class Guide {
       V3f direction;  ///< unit, in the world
       float pdf_w;    ///< per steradian
     };
-    /// The row that a number in [0, 1) leads to; asks for what sample() needs of it, so that it is at hand later.
+    /// The row that a number in [0, 1) leads to; asks for what sample() needs of it, so that it is at hand
+    /// later.
     [[nodiscard]] int row_of(float u) const;
     /// Monotone in each coordinate of u within rows of the histogram, so that stratified numbers stay
     /// stratified.

@@ -37,7 +37,8 @@ bool is_black(const Corners& corners) {
 Polygon part_of(const Patch& patch, std::array<V3d, 3> corner) {
   for (V3d& c : corner) c -= patch.normal * patch.normal.dot(c - patch.corner[0]);
   // Cells are in the order of the front, the patch may be a back.
-  if ((corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(patch.normal) < 0.0) std::swap(corner[1], corner[2]);
+  if ((corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(patch.normal) < 0.0)
+    std::swap(corner[1], corner[2]);
   return make_polygon(corner[0], corner[1], corner[2]);
 }
 
@@ -181,7 +182,8 @@ class IndirectFieldBuilder {
     const FieldCell& cell = cells_[c];
     for (std::size_t k = 0; k < 3; ++k) field_.value_[c][k] = C3f(gathered_[cell.corner[k]].mean());
     for (std::size_t axis = 0; axis < 3; ++axis)
-      for (std::size_t k = 0; k < 3; ++k) field_.across_[c][axis][k] = C3f(gathered_[cell.corner[k]].mean_across(axis));
+      for (std::size_t k = 0; k < 3; ++k)
+        field_.across_[c][axis][k] = C3f(gathered_[cell.corner[k]].mean_across(axis));
     verdict_[c] = verdict_of(c, rays);
     const bool is_trusted = verdict_[c] == Verdict::trusted;
     const auto direct = options_.with_direct && lamps_.is_known() ? direct_of(c) : std::nullopt;
@@ -196,8 +198,8 @@ class IndirectFieldBuilder {
     const Patch patch = mesh_.patch(cells_[c].face);
     if (patch.is_analytic() || !(patch.area > 0.0)) return std::nullopt;
     const std::array<V3d, 3> corner = gathering_.corners(cells_[c]);
-    return twopass::direct_of(c < faces() ? patch.polygon() : part_of(patch, corner), patch.normal, corner, lamps_,
-                              field_.value_[c], options_.direct_tolerance);
+    return twopass::direct_of(c < faces() ? patch.polygon() : part_of(patch, corner), patch.normal, corner,
+                              lamps_, field_.value_[c], options_.direct_tolerance);
   }
 
   // (R40): whether interpolation on the cell is as good as gathering, relative to all the light there.
@@ -215,7 +217,8 @@ class IndirectFieldBuilder {
       if (near_caustic_[v]) return Verdict::never;
       if (g.rays == 0 || (is_part && g.buried > 0)) return Verdict::too_coarse;
       // Small cells beside large elements see how constant those are.
-      if (is_part && brightness(g.nearby) > most_nearby * (direct_brightness_[v] * g.rays + brightness(g.irradiance)))
+      if (is_part &&
+          brightness(g.nearby) > most_nearby * (direct_brightness_[v] * g.rays + brightness(g.irradiance)))
         return Verdict::never;
       longest = std::max(longest, (position_[cell.corner[(k + 1) % 3]] - position_[v]).length());
       nearness = std::max(nearness, g.inverse_distance / g.rays);
@@ -236,15 +239,16 @@ class IndirectFieldBuilder {
     const C3d found = middle.mean(), off = linear - found;
     const double difference = brightness(C3d(std::abs(off.x), std::abs(off.y), std::abs(off.z)));
     return difference <= options_.middle_tolerance * (direct + brightness(found)) ? Verdict::trusted
-                                                                                    : Verdict::too_coarse;
+                                                                                  : Verdict::too_coarse;
   }
 
-  // Divides the cells that are too coarse where that pays, and gathers at the new vertices. Returns the new cells
-  // (R53).
+  // Divides the cells that are too coarse where that pays, and gathers at the new vertices. Returns the new
+  // cells (R53).
   std::vector<std::uint32_t> divide(std::span<const std::uint32_t> pending, int level) {
     for (const std::uint32_t c : pending)
       if (verdict_[c] == Verdict::trusted)
-        for (std::size_t k = 0; k < 3; ++k) straight_.insert(edge_of(cells_[c].corner[k], cells_[c].corner[(k + 1) % 3]));
+        for (std::size_t k = 0; k < 3; ++k)
+          straight_.insert(edge_of(cells_[c].corner[k], cells_[c].corner[(k + 1) % 3]));
     const auto first = static_cast<std::uint32_t>(cells_.size());
     std::vector<std::uint32_t> fresh;
     for (const std::uint32_t c : pending) {
@@ -271,7 +275,8 @@ class IndirectFieldBuilder {
   // The vertex between two others, made if there is none. On the edge of a cell that is looked up as it is, it
   // has what that interpolates there, so that there is no seam.
   std::uint32_t middle_of(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& fresh) {
-    const auto [entry, is_new] = middle_.try_emplace(edge_of(a, b), static_cast<std::uint32_t>(position_.size()));
+    const auto [entry, is_new] =
+        middle_.try_emplace(edge_of(a, b), static_cast<std::uint32_t>(position_.size()));
     const std::uint32_t v = entry->second;
     if (!is_new) return v;
     position_.push_back((position_[a] + position_[b]) * 0.5);

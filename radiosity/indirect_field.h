@@ -22,8 +22,8 @@ struct IndirectFieldOptions {
   bool without_caustics = false;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
-  /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53). Empty:
-  /// none.
+  /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53).
+  /// Empty: none.
   std::vector<double> rays_there{};
   std::uint32_t least_rays = 64, most_rays = 512;
   std::uint32_t seed = 0;
@@ -70,8 +70,8 @@ class IndirectField {
     __builtin_prefetch(&value_[element]);
   }
 
-  /// What diffuse surfaces send to a surface there whose normal is not quite that of the element, `flat`: on its
-  /// side, and of what at() finds without the lamps' part (R54), W/m2. REQUIRES: at() knows it.
+  /// What diffuse surfaces send to a surface there whose normal is not quite that of the element, `flat`: on
+  /// its side, and of what at() finds without the lamps' part (R54), W/m2. REQUIRES: at() knows it.
   [[nodiscard]] C3f tilted(const C3f& irradiance, const ElementMesh::Location& location, const V3f& flat,
                            const V3f& normal) const;
   /// The light of lamps in what at() finds there, W/m2.

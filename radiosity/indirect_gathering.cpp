@@ -92,9 +92,10 @@ Gathered Gathering::at(std::uint32_t vertex, std::span<const FieldCell> cells, c
   std::vector<Start> starts;
   for (const auto& [cell, corner] : fans.of(vertex)) {
     const std::array<std::uint32_t, 3>& at = cells[cell].corner;
-    starts.push_back(start(cells[cell].face,
-                           {position_[at[corner]], position_[at[(corner + 1) % 3]], position_[at[(corner + 2) % 3]]},
-                           near_corner));
+    starts.push_back(
+        start(cells[cell].face,
+              {position_[at[corner]], position_[at[(corner + 1) % 3]], position_[at[(corner + 2) % 3]]},
+              near_corner));
   }
   if (starts.empty()) return {};
   return gather(direct, [&](std::uint32_t k, Gathered& sum) {
@@ -137,8 +138,8 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   if (!from.is_there) return;
   const V2f p = square_to_triangle(sampler.next_2d());
   const ElementPoint start{
-      from.corner + from.edge1 * static_cast<double>(p.x) + from.edge2 * static_cast<double>(p.y),
-      from.normal, from.offset};
+      from.corner + from.edge1 * static_cast<double>(p.x) + from.edge2 * static_cast<double>(p.y), from.normal,
+      from.offset};
   const V3f normal(from.normal);
   const Ray ray{start.ray_position(), from.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))};
   const Landing landing = element_rays_.cast(ray, normal, from.size, sampler, rays);
@@ -170,10 +171,11 @@ C3d Gathering::over_specular(const Ray& ray, const Landing& landing, Sampler& sa
   SpecularPath path(scene_, ray, landing.point, Carried::radiance, sampler);
   while (leaves_out ? path.next() : path.next_with_lamps()) {
     const SpecularPathEnd& end = path.end();
-    const C3f lamp = (end.escaped ? scene_.environment().radiance(end.direction)
-                                  : scene_.emitted_radiance(end.point)) *
-                     end.lamp_weight;
-    const C3d of_lamp = std::exchange(leaves_out, false) && !end.escaped ? C3d(0.0) : C3d(end.weight * lamp) * pi;
+    const C3f lamp =
+        (end.escaped ? scene_.environment().radiance(end.direction) : scene_.emitted_radiance(end.point)) *
+        end.lamp_weight;
+    const C3d of_lamp =
+        std::exchange(leaves_out, false) && !end.escaped ? C3d(0.0) : C3d(end.weight * lamp) * pi;
     if (!end.is_blurred) caustic += of_lamp;
     found += of_lamp;
     if (end.escaped) break;

@@ -24,9 +24,9 @@ struct Gathered {
   C3d irradiance{0.0};
   C3d nearby{0.0};  // of the irradiance: from elements that are nearer than they resolve
   std::array<C3d, 3> across{C3d(0.0), C3d(0.0), C3d(0.0)};  // net irradiance along the surface, by axis
-  double brightness2 = 0.0;       // squared brightness of each ray
-  double inverse_distance = 0.0;  // of what they met
-  C3d caustic{0.0};               // of the irradiance: light straight from lamps over specular surfaces
+  double brightness2 = 0.0;                                 // squared brightness of each ray
+  double inverse_distance = 0.0;                            // of what they met
+  C3d caustic{0.0};  // of the irradiance: light straight from lamps over specular surfaces
 
   // Rays find caustics by chance: what is more than a trace of them is left to gather rays, which are many.
   [[nodiscard]] bool sees_caustic(double direct) const {
@@ -71,8 +71,8 @@ class Gathering {
 
   /// (R39): rays from around a vertex, out of the cells that touch it, until their noise is small against all
   /// the light there, of which `direct` is known.
-  [[nodiscard]] Gathered at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans, double direct,
-                            std::uint64_t& rays) const;
+  [[nodiscard]] Gathered at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans,
+                            double direct, std::uint64_t& rays) const;
   /// The same from the inner quarter of a cell: of what is linear on it, the mean over its corners. `key`
   /// distinguishes it from others.
   [[nodiscard]] Gathered in_the_middle(const FieldCell& cell, std::uint32_t key, double direct,

@@ -41,8 +41,8 @@ struct Patch {
   [[nodiscard]] ElementPoint sample(const V2f& u) const;
   /// The point in the middle.
   [[nodiscard]] ElementPoint centroid() const;
-  /// The point of the true surface with barycentric coordinates b of corners 1 and 2: of their parameters on a disk or
-  /// cylinder, else of the flat triangle.
+  /// The point of the true surface with barycentric coordinates b of corners 1 and 2: of their parameters on a
+  /// disk or cylinder, else of the flat triangle.
   [[nodiscard]] ElementPoint at(const V2f& b) const;
   /// The point of the true surface above a point of the flat triangle.
   [[nodiscard]] ElementPoint above(const V3d& flat) const;
@@ -62,13 +62,13 @@ std::array<V3d, 3> octant_corners(std::uint32_t octant);
 /// outside.
 Patch spherical_patch(const Sphere& sphere, const std::array<V3d, 3>& direction, Side side);
 
-/// The points of a disk and of a cylinder with given parameters. A disk's are the square from -1 to 1, of which it
-/// is the concentric image; a cylinder's are turns around its axis and the way along it, both from 0 to 1. Equal
-/// areas of parameters are equal areas of the surface.
+/// The points of a disk and of a cylinder with given parameters. A disk's are the square from -1 to 1, of which
+/// it is the concentric image; a cylinder's are turns around its axis and the way along it, both from 0 to 1.
+/// Equal areas of parameters are equal areas of the surface.
 V3d point_of(const Disk& disk, const V2d& parameter);
 V3d point_of(const Cylinder& cylinder, const V2d& parameter);
-/// A side of the piece of a disk or cylinder over a triangle of parameters, counter-clockwise seen from the front.
-/// REQUIRES: the surface outlives the patch.
+/// A side of the piece of a disk or cylinder over a triangle of parameters, counter-clockwise seen from the
+/// front. REQUIRES: the surface outlives the patch.
 Patch parametric_patch(const Disk& disk, const std::array<V2d, 3>& parameter, Side side);
 Patch parametric_patch(const Cylinder& cylinder, const std::array<V2d, 3>& parameter, Side side);
 

@@ -52,7 +52,8 @@ class PunctualIrradiance {
     for (const PunctualLight& light : scene_.punctual_lights()) {
       const Illumination seen = illumination(light, start);
       const float distance = std::isfinite(seen.distance) ? seen.distance : beyond_;
-      sum += received(point, response, seen.direction, start + seen.direction * distance, seen.irradiance, rays);
+      sum +=
+          received(point, response, seen.direction, start + seen.direction * distance, seen.irradiance, rays);
     }
     return sum;
   }
@@ -62,13 +63,13 @@ class PunctualIrradiance {
     const V3f start = point.ray_position();
     const LightSample light = lights_.sample({start, V3f(point.normal), true}, sampler.next_2d());
     if (!(light.pdf_w > 0.0f)) return C3d(0.0);
-    return received(point, response, light.direction, light.position, light.radiance, rays) * (1.0 / light.pdf_w);
+    return received(point, response, light.direction, light.position, light.radiance, rays) *
+           (1.0 / light.pdf_w);
   }
 
   // `irradiance`: of a surface that faces the light.
-  [[nodiscard]] C3d received(const ElementPoint& point, const DiffuseResponse& response,
-                             const V3f& direction, const V3f& end, const C3f& irradiance,
-                             std::uint64_t& rays) const {
+  [[nodiscard]] C3d received(const ElementPoint& point, const DiffuseResponse& response, const V3f& direction,
+                             const V3f& end, const C3f& irradiance, std::uint64_t& rays) const {
     const double cosine = point.normal.dot(V3d(direction));
     if (!(cosine > 0.0) || is_black(irradiance)) return C3d(0.0);
     ++rays;

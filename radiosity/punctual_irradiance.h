@@ -10,8 +10,8 @@ namespace twopass {
 inline constexpr std::size_t most_punctual_lights_asked = 64;
 
 /// By element, W/m2: the mean over stratified points of it of what arrives from punctual lights (R38), past
-/// obstacles and through masks, weighted as in DirectIrradiance. `rays` is increased. The same bits on any number
-/// of threads.
+/// obstacles and through masks, weighted as in DirectIrradiance. `rays` is increased. The same bits on any
+/// number of threads.
 std::vector<C3d> punctual_irradiance(const Scene& scene, const ElementMesh& mesh,
                                      const ElementResponse& response, std::uint32_t seed, std::uint64_t& rays);
 

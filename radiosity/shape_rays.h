@@ -12,12 +12,12 @@ namespace twopass {
 
 /// The fronts of all shapes, in pieces.
 struct ShapeFronts {
-  std::vector<Patch> patch;             ///< those of one shape stand together; none without area
-  std::vector<std::uint32_t> shape;     ///< of each patch
-  std::vector<std::uint32_t> first;     ///< by shape: its first patch; one more at the end
-  std::vector<double> area;             ///< by shape
+  std::vector<Patch> patch;               ///< those of one shape stand together; none without area
+  std::vector<std::uint32_t> shape;       ///< of each patch
+  std::vector<std::uint32_t> first;       ///< by shape: its first patch; one more at the end
+  std::vector<double> area;               ///< by shape
   std::vector<std::uint8_t> is_analytic;  ///< by shape
-  std::size_t degenerate = 0;           ///< triangles left out because they have no area
+  std::size_t degenerate = 0;             ///< triangles left out because they have no area
 
   [[nodiscard]] std::size_t shapes() const { return area.size(); }
   [[nodiscard]] std::span<const Patch> patches_of(std::uint32_t s) const {

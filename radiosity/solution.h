@@ -47,9 +47,9 @@ class Solution {
 std::size_t element_limit(const Scene& scene, const RadiosityOptions& options);
 
 /// Divides the surfaces into elements and solves for the balance of light between them, in the order: elements,
-/// form factors, enforcement of their sums, direct irradiance, solver. `caustics`: the scene's, if they have been shot
-/// before. The same bits on any number of threads.
-/// Throws Error when the chosen method cannot handle so many elements, Interrupted when the user stops it.
+/// form factors, enforcement of their sums, direct irradiance, solver. `caustics`: the scene's, if they have
+/// been shot before. The same bits on any number of threads. Throws Error when the chosen method cannot handle
+/// so many elements, Interrupted when the user stops it.
 Solution solve_radiosity(const Scene& scene, const RadiosityOptions& options = {},
                          const CausticParticles* caustics = nullptr);
 /// The same on the elements of a solution of the scene, each of them cut so many times into four.

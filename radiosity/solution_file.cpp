@@ -159,12 +159,12 @@ std::span<const std::byte> checked_content(const std::filesystem::path& path, st
   if (header.version > format_version)
     throw Error(path.string(), "written by a newer version of the program",
                 "use that version, or make it again with twopass solve");
-  if (header.version < format_version) refuse(path, "the file is damaged, or of an older version of the program");
+  if (header.version < format_version)
+    refuse(path, "the file is damaged, or of an older version of the program");
   if (header.size > bytes.size()) refuse(path, "the file is incomplete");
   std::uint32_t checksum;
   std::memcpy(&checksum, bytes.data() + bytes.size() - checksum_size, checksum_size);
-  if (header.size != bytes.size() ||
-      crc32_of(bytes.first(bytes.size() - checksum_size)) != checksum)
+  if (header.size != bytes.size() || crc32_of(bytes.first(bytes.size() - checksum_size)) != checksum)
     refuse(path, "the file is damaged");
   return bytes.subspan(sizeof header, bytes.size() - sizeof header - checksum_size);
 }

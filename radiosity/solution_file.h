@@ -10,14 +10,15 @@
 namespace twopass {
 
 /// Writes the solution atomically. The file names the scene by its fingerprint, so it serves no other; and it
-/// holds what a solution looks like (display_of_solution). `to_rec709`: of the scene's colours; `groups`: to be kept
-/// with it. REQUIRES: a solution of the scene; groups on its elements. Throws Error when it cannot be written.
+/// holds what a solution looks like (display_of_solution). `to_rec709`: of the scene's colours; `groups`: to be
+/// kept with it. REQUIRES: a solution of the scene; groups on its elements. Throws Error when it cannot be
+/// written.
 void save_solution(const std::filesystem::path& path, const Scene& scene, const Solution& solution,
                    const ColorMatrix& to_rec709 = {}, const GroupedIrradiance& groups = {});
 
-/// The same solution again, bit for bit, and the groups, if any. Throws Error when the file cannot be read, is not a
-/// solution, is damaged (any single byte, any missing end), was written by another version of the program, or
-/// belongs to another scene. REQUIRES: the scene outlives the solution.
+/// The same solution again, bit for bit, and the groups, if any. Throws Error when the file cannot be read, is
+/// not a solution, is damaged (any single byte, any missing end), was written by another version of the
+/// program, or belongs to another scene. REQUIRES: the scene outlives the solution.
 Solution load_solution(const std::filesystem::path& path, const Scene& scene,
                        GroupedIrradiance* groups = nullptr);
 

@@ -21,7 +21,8 @@ constexpr std::size_t least_elements_rays = 8192, most_elements_rays = 262144;
 constexpr std::size_t default_elements_analytic = 1500;
 // For pictures that are gathered: an element for 64 pixels, 64 rays an element. Measured in the Cornell box,
 // the cove and the hidden room: pass one takes half the time, the bias of the picture stays within .5 %.
-constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048, least_elements_affordable = 2048;
+constexpr std::size_t pixels_of_an_element = 64, least_elements_gathered = 2048,
+                      least_elements_affordable = 2048;
 constexpr double usual_error = 0.03;  // of a picture, for which that was measured
 constexpr std::uint32_t rays_of_a_gathered_element = 64;
 // Adaptive substructuring starts with this part of the elements, and its pilot solutions, which only have to
@@ -67,7 +68,8 @@ std::size_t elements_for_gathering(const RadiosityOptions& options) {
   const double of_pixels =
       std::clamp(static_cast<double>(options.gathered_pixels) / pixels_of_an_element, least, most);
   const double fit = std::clamp(of_pixels * usual_error / options.picture_error, least, most);
-  std::size_t elements = std::min(static_cast<std::size_t>(fit) << (2 * options.refinement), most_elements_rays);
+  std::size_t elements =
+      std::min(static_cast<std::size_t>(fit) << (2 * options.refinement), most_elements_rays);
   if (options.affordable_elements > 0)
     elements = std::min(elements, std::max(options.affordable_elements, least_elements_affordable));
   return elements;
@@ -94,8 +96,9 @@ Choice choose(const Scene& scene, const RadiosityOptions& options) {
                              options.solver == Solver::automatic && options.max_elements == 0;
   choice.is_for_gathering = all_automatic && options.gathered_pixels > 0;
   if (by_rays) {
-    choice.max_elements = std::clamp(
-        sides / 8, choice.is_for_gathering ? elements_for_gathering(options) : least_elements_rays, most_elements_rays);
+    choice.max_elements =
+        std::clamp(sides / 8, choice.is_for_gathering ? elements_for_gathering(options) : least_elements_rays,
+                   most_elements_rays);
   }
   if (choice.solver == Solver::lu)
     choice.max_elements = std::min<std::size_t>(choice.max_elements, lu_max_elements);
@@ -170,8 +173,8 @@ std::vector<Irradiance> solve_with_form_factors(const Scene& scene, ElementMesh&
 }
 
 std::vector<Irradiance> solve_stochastically(const Scene& scene, ElementMesh& mesh,
-                                             const RadiosityOptions& options,
-                                             const CausticParticles& caustics, RadiosityStats& stats) {
+                                             const RadiosityOptions& options, const CausticParticles& caustics,
+                                             RadiosityStats& stats) {
   clamped_reflectances(mesh, stats);  // says so
   std::vector<C3f> direct;
   {
@@ -258,8 +261,8 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
   return mesh;
 }
 
-// The elements that the solution is found on. Where all is left to the program, for gathering, and triangles are so
-// small that elements are not cut adaptively, they are weighted by what is seen of them.
+// The elements that the solution is found on. Where all is left to the program, for gathering, and triangles
+// are so small that elements are not cut adaptively, they are weighted by what is seen of them.
 ElementMesh final_elements(const Scene& scene, ElementMesh mesh, const RadiosityOptions& options,
                            const Choice& choice, const CausticParticles& caustics, RadiosityStats& stats) {
   if (choice.is_adaptive) return refine_adaptively(scene, std::move(mesh), options, choice, caustics, stats);

@@ -30,7 +30,8 @@ void SpecularPath::sample_lamps(const Bsdf& bsdf, const V3f& wo) {
   ++end_.rays;
   const float visible = scene_.transmittance({spawn_position(point, light.direction), light.position});
   const float weight = light.is_delta ? 1.0f : power_heuristic(light.pdf_w, at.pdf_w);
-  sampled_ += power_ * radiance_scale_ * glossy * light.radiance * (incident.reached * visible * weight / light.pdf_w);
+  sampled_ +=
+      power_ * radiance_scale_ * glossy * light.radiance * (incident.reached * visible * weight / light.pdf_w);
 }
 
 // The share of light met by chance at the present end (integrators, I3).

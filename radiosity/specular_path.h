@@ -17,11 +17,11 @@ enum class Carried {
 struct SpecularPathEnd {
   C3f weight{0.0f};  ///< carried from end to end; black: absorbed on the way
   bool escaped = true;
-  V3f direction{0.0f};  ///< of the last ray; only if it has escaped
-  SurfacePoint point;   ///< of a surface that is not purely specular; only if it has not escaped
+  V3f direction{0.0f};       ///< of the last ray; only if it has escaped
+  SurfacePoint point;        ///< of a surface that is not purely specular; only if it has not escaped
   bool is_blurred = false;   ///< by a rough surface on the way: what arrives makes no sharp patterns
   float lamp_weight = 1.0f;  ///< of light that is emitted here: less than 1 where lamps were sampled, too
-  unsigned rays = 0;    ///< cast on the way
+  unsigned rays = 0;         ///< cast on the way
 };
 
 /// A path through reflections and refractions chosen at random, but for diffuse ones (R15). It arrives at every

@@ -93,7 +93,9 @@ class VertexMeshBuilder {
   [[nodiscard]] std::uint32_t root_count() const { return static_cast<std::uint32_t>(mesh_.roots().size()); }
   [[nodiscard]] const ElementRoot& root(std::uint32_t r) const { return mesh_.roots()[r]; }
   [[nodiscard]] bool is_analytic(std::uint32_t r) const { return mesh_.is_analytic(root(r).shape); }
-  [[nodiscard]] const Geometry& geometry(std::uint32_t r) const { return mesh_.shapes()[root(r).shape].geometry; }
+  [[nodiscard]] const Geometry& geometry(std::uint32_t r) const {
+    return mesh_.shapes()[root(r).shape].geometry;
+  }
 
   std::uint32_t add_vertex(const V3d& position) {
     result_.position_.emplace_back(position);

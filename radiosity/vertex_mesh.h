@@ -10,7 +10,8 @@
 namespace twopass {
 
 /// A vertex is a position and the surface around it: triangles that meet there and are joined by steps of less
-/// than 30 degrees share it, and so do the pieces of one side of an analytic surface. REQUIRES: the mesh outlives it.
+/// than 30 degrees share it, and so do the pieces of one side of an analytic surface. REQUIRES: the mesh
+/// outlives it.
 class VertexMesh {
  public:
   explicit VertexMesh(const ElementMesh& mesh);

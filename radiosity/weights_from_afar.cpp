@@ -17,8 +17,8 @@ namespace {
 constexpr std::uint32_t sixteenths = 16;
 constexpr std::uint32_t visits_of_a_cell = 128, least_visits = 32;
 
-// How often walks come to a sixteenth, and one of the places. A sum of integers and a least, so the order of threads
-// does not matter.
+// How often walks come to a sixteenth, and one of the places. A sum of integers and a least, so the order of
+// threads does not matter.
 class Visits {
  public:
   /// Of all visits the place is that of the one with the least key.
@@ -89,8 +89,7 @@ std::vector<ElementMesh::Weights> weights_from_afar(const Scene& scene, const El
   std::vector<ElementMesh::Weights> weights(cells, ElementMesh::Weights{});
   for (std::size_t i = 0; i < cells; ++i) {
     std::array<std::uint32_t, sixteenths> here;
-    for (std::uint32_t k = 0; k < sixteenths; ++k)
-      here[k] = visits[i * sixteenths + k].count();
+    for (std::uint32_t k = 0; k < sixteenths; ++k) here[k] = visits[i * sixteenths + k].count();
     if (std::accumulate(here.begin(), here.end(), 0u) < least_visits) continue;
     // In bytes, rounded up: none that is seen is lost.
     const std::uint32_t divisor = *std::max_element(here.begin(), here.end()) / 255 + 1;

@@ -92,7 +92,8 @@ bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end
       for (std::size_t k = start + first; k < start + past && !interrupt_requested(); ++k) {
         const auto batch = static_cast<std::uint32_t>(k / pieces);
         const std::uint32_t from = begin + static_cast<std::uint32_t>(k % pieces) * grain;
-        of_piece[k] = trace(job, batch, from, std::min(from + grain, end), read.empty() ? nullptr : &read[k - start]);
+        of_piece[k] =
+            trace(job, batch, from, std::min(from + grain, end), read.empty() ? nullptr : &read[k - start]);
       }
     });
     for (std::vector<ReadError>& errors : read) {
@@ -104,8 +105,8 @@ bool trace_all(const CertificateJob& job, std::uint32_t begin, std::uint32_t end
   return !interrupt_requested();
 }
 
-// The mean over the batches of what there is biased too much, if the bias were `bias`, and the half width of its
-// interval.
+// The mean over the batches of what there is biased too much, if the bias were `bias`, and the half width of
+// its interval.
 struct Excess {
   double mean, half_width;
 };
@@ -113,7 +114,8 @@ Excess excess_over(double bias, const std::vector<Certificate::Batch>& of_batch)
   double sum = 0.0, squares = 0.0;
   for (const auto& [biased, unbiased] : of_batch) sum += biased - (1.0 + bias) * unbiased;
   const double mean = sum / batches;
-  for (const auto& [biased, unbiased] : of_batch) squares += std::pow(biased - (1.0 + bias) * unbiased - mean, 2.0);
+  for (const auto& [biased, unbiased] : of_batch)
+    squares += std::pow(biased - (1.0 + bias) * unbiased - mean, 2.0);
   return {mean, student_t * std::sqrt(squares / (batches - 1) / batches)};
 }
 

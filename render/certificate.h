@@ -35,11 +35,11 @@ struct Certificate {
     double biased = 0.0, unbiased = 0.0;
   };
   std::vector<Batch> of_batch{};
-  /// Whether, at the level of 95 %, the mean is off by more than so much of the truth's. The picture of a place that is
-  /// dark in truth is, whatever light it has (I14).
+  /// Whether, at the level of 95 %, the mean is off by more than so much of the truth's. The picture of a place
+  /// that is dark in truth is, whatever light it has (I14).
   [[nodiscard]] bool is_certainly_beyond(double bias) const;
-  /// By element, relative to the truth's mean, or to the picture's where that is not above 0: what the picture has from
-  /// there, and of that, what is too much (I20).
+  /// By element, relative to the truth's mean, or to the picture's where that is not above 0: what the picture
+  /// has from there, and of that, what is too much (I20).
   std::vector<ElementError> of_element{};
 };
 

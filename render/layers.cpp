@@ -79,8 +79,7 @@ C3f Layers::radiosity_at(const FirstSurface& first) const {
   return first.diffuse_albedo * solution_->irradiance(first.point).total();
 }
 
-void Layers::values_of(const SampleLayers& seen, bool is_finite,
-                       std::vector<float>& values) const {
+void Layers::values_of(const SampleLayers& seen, bool is_finite, std::vector<float>& values) const {
   values.clear();
   const FirstSurface& first = seen.first;
   for (std::size_t i = 0; i < request_.aovs.size(); ++i) {
@@ -107,7 +106,8 @@ void Layers::values_of(const SampleLayers& seen, bool is_finite,
           append(values, scene_.description().frame.to_world(first.point.position));
           break;
         case Aov::depth:
-          values.push_back((first.point.position - eye_).dot(forward_) * static_cast<float>(scene_.description().frame.unit));
+          values.push_back((first.point.position - eye_).dot(forward_) *
+                           static_cast<float>(scene_.description().frame.unit));
           break;
         case Aov::uv: {
           const V2f at = scene_.texture_coordinates(first.point);

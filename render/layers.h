@@ -63,8 +63,7 @@ class Layers {
   };
 
  private:
-  void values_of(const SampleLayers& seen, bool is_finite,
-                 std::vector<float>& values) const;
+  void values_of(const SampleLayers& seen, bool is_finite, std::vector<float>& values) const;
   [[nodiscard]] C3f radiosity_at(const FirstSurface& first) const;
 
   LayerRequest request_;

@@ -48,8 +48,8 @@ std::vector<bool> seen_elements(std::span<const double> parts) {
   return seen;
 }
 
-// Gathering is guided where indirect light is not looked up. Larger cells than for paths, of which only the first
-// direction is gathered.
+// Gathering is guided where indirect light is not looked up. Larger cells than for paths, of which only the
+// first direction is gathered.
 GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, const std::vector<bool>& seen) {
   constexpr std::size_t least_cells = 64;
   constexpr double rays_of_a_cell = Guide::rows * Guide::columns;
@@ -57,8 +57,9 @@ GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, c
   options.seed = job.radiosity.seed;
   if (job.integrator == IntegratorKind::two_pass) options.max_cells = 4096;
   if (job.picture_rays > 0.0)
-    options.max_cells = std::clamp(static_cast<std::size_t>(share_of_pass_one * job.picture_rays / rays_of_a_cell),
-                                   least_cells, options.max_cells);
+    options.max_cells =
+        std::clamp(static_cast<std::size_t>(share_of_pass_one * job.picture_rays / rays_of_a_cell), least_cells,
+                   options.max_cells);
   if (job.integrator != IntegratorKind::two_pass) return options;
   options.cell_size = 0.05f;
   options.wanted = seen;
@@ -73,8 +74,8 @@ GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, c
 // What is read of the solution.
 void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
   std::uint64_t rays = 0;
-  std::vector<double> parts = parts_of(done.solution->mesh(),
-                                       seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
+  std::vector<double> parts =
+      parts_of(done.solution->mesh(), seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
   const std::vector<bool> seen = seen_elements(parts);
   Stopwatch stopwatch;
   done.guide.reset();
@@ -134,16 +135,18 @@ std::string words_for(const Certificate& found) {
   return text;
 }
 
-// Cuts the elements that paths found guilty, so that as much less guilt is left as the bias has to be smaller, and
-// solves again. False: there are none, or there are as many elements as there may be.
-bool refine(const PassOneJob& job, const Certificate& found, double most_bias, const CausticParticles& particles,
-            PreparedPassOne& done) {
+// Cuts the elements that paths found guilty, so that as much less guilt is left as the bias has to be smaller,
+// and solves again. False: there are none, or there are as many elements as there may be.
+bool refine(const PassOneJob& job, const Certificate& found, double most_bias,
+            const CausticParticles& particles, PreparedPassOne& done) {
   const ElementMesh& mesh = done.solution->mesh();
   RadiosityOptions most = job.radiosity;
   most.refinement = 1;
   most.affordable_elements = 0;
-  // At most twice as many, so that what comes next is better informed; few, where there is hardly time for these.
-  const bool is_short = job.radiosity.affordable_elements > 0 && job.radiosity.affordable_elements < 2 * mesh.count();
+  // At most twice as many, so that what comes next is better informed; few, where there is hardly time for
+  // these.
+  const bool is_short =
+      job.radiosity.affordable_elements > 0 && job.radiosity.affordable_elements < 2 * mesh.count();
   const std::size_t limit =
       std::min(element_limit(job.scene, most), is_short ? mesh.count() + mesh.count() / 4 : 2 * mesh.count());
   if (limit < mesh.count() + 3) return false;
@@ -260,8 +263,8 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
     const std::size_t before = done.solution->mesh().count();
     if (refinements-- > 0 && (goal.seconds <= 0.0 || 3.0 * spent.seconds <= goal.seconds) &&
         refine(job, *found, goal.most, *particles, done)) {
-      say(text + std::to_string(done.solution->mesh().count()) + " elements instead of " + std::to_string(before) +
-          ", finer where paths found light that was not right");
+      say(text + std::to_string(done.solution->mesh().count()) + " elements instead of " +
+          std::to_string(before) + ", finer where paths found light that was not right");
     } else if (!done.gathers_twice) {
       done.field.reset();
       done.gathers_twice = true;

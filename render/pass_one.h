@@ -44,7 +44,8 @@ struct PassOneJob {
 };
 /// The guide has larger cells where its rays would be more than 15 % of what the picture is worth.
 PreparedPassOne prepare_pass_one(PassOneJob job);
-/// The rays of a picture that is rendered until `sampling` is met, as far as they can be foretold; 0: they cannot.
+/// The rays of a picture that is rendered until `sampling` is met, as far as they can be foretold; 0: they
+/// cannot.
 double rays_of(const SamplingGoal& sampling, const PixelWindow& window, int threads);
 
 /// How far off a picture's mean may be, and what may be done to keep to that.
@@ -71,14 +72,14 @@ struct PictureGoal {
   double cpu_seconds = 0.0;     ///< that it may take
   double relative_error = 0.0;  ///< that it may have
 };
-/// The goal of a picture that is rendered until `sampling` is met. It is worth the rays that paths would take to be as
-/// good without pass one, and may take that long, as far as a look at the view can foretell that, or as long as is
-/// said.
+/// The goal of a picture that is rendered until `sampling` is met. It is worth the rays that paths would take
+/// to be as good without pass one, and may take that long, as far as a look at the view can foretell that, or
+/// as long as is said.
 PictureGoal picture_goal(const SamplingGoal& sampling, const PixelWindow& window, int threads,
                          const std::optional<ViewProbe>& probe);
-/// The options of pass one for a picture, over what the user asks for: elements in inverse proportion to its error,
-/// and fewer where pass one would take more than 15 % of its time (by its usual pace, and not fewer than 2048 or one
-/// for eight triangles).
+/// The options of pass one for a picture, over what the user asks for: elements in inverse proportion to its
+/// error, and fewer where pass one would take more than 15 % of its time (by its usual pace, and not fewer than
+/// 2048 or one for eight triangles).
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
                                    const PixelWindow& window, RadiosityOptions asked,
                                    const PictureGoal& goal = {});
@@ -97,8 +98,8 @@ struct CertifiedPicture {
   std::uint32_t seed;
   RayCounts counts;  ///< of the picture
 };
-/// Measures the bias of a picture that reads a solution (I13), with about a twentieth of the picture's rays. None where
-/// certify() has none, or finds the truth not above 0.
+/// Measures the bias of a picture that reads a solution (I13), with about a twentieth of the picture's rays.
+/// None where certify() has none, or finds the truth not above 0.
 std::optional<Certificate> certify_picture(const CertifiedPicture& picture);
 
 }  // namespace twopass

@@ -38,7 +38,8 @@ class SampleShares {
   /// REQUIRES: every pixel of the pilot has had the same number of samples, in at least two batches.
   explicit SampleShares(const Film& pilot);
   /// The same again. REQUIRES: what levels(), variances() and pilot_samples() were.
-  SampleShares(std::vector<std::uint8_t> levels, std::span<const double> variances, std::uint32_t pilot_samples);
+  SampleShares(std::vector<std::uint8_t> levels, std::span<const double> variances,
+               std::uint32_t pilot_samples);
 
   /// One for each pixel.
   [[nodiscard]] const std::vector<std::uint8_t>& pixel_levels() const { return levels_; }
@@ -91,8 +92,8 @@ class SamplePlan {
  public:
   /// REQUIRES: goal and film outlive the plan; the film is empty, and filled by what the plan says alone.
   SamplePlan(const SamplingGoal& goal, const Film& film);
-  /// Goes on where another plan has stood. REQUIRES: the film is as that plan left it, but the pass that it was in
-  /// may have been rendered only for some of the pixels.
+  /// Goes on where another plan has stood. REQUIRES: the film is as that plan left it, but the pass that it was
+  /// in may have been rendered only for some of the pixels.
   SamplePlan(const SamplingGoal& goal, const Film& film, const PlanState& state);
 
   /// REQUIRES: of a pass that was planned, `in_pass` tells whether it is still to be finished.

@@ -15,8 +15,8 @@ namespace {
 constexpr int parts_a_side = 8;
 constexpr std::uint32_t pairs_of_a_part = 32;
 constexpr double variance_of_gathering = 0.25;
-// Measured at 512x512, all that is left of two passes' variance included: 4 % in the Cornell box, where half of it
-// is soft shadows and edges, .7 % in the cove and the hidden room, 2.4 % in the room behind a door.
+// Measured at 512x512, all that is left of two passes' variance included: 4 % in the Cornell box, where half of
+// it is soft shadows and edges, .7 % in the cove and the hidden room, 2.4 % in the room behind a door.
 constexpr double variance_of_looking_up = 0.05;
 // A path brighter than this many times its surroundings counts as one that is as bright: there are too few
 // paths to tell how rare it is.
@@ -93,8 +93,8 @@ std::vector<PathSample> samples_in(const Camera& camera, const PixelWindow& wind
 }
 
 // What solving takes at least of a scene that has more triangles than a picture needs elements, in rays of the
-// picture: 500 for each element. In Bitterli's staircase all of pass one took 7.6 CPU seconds for 17,731 elements,
-// nearly 1000 rays of that picture for each. Others take tenths of a second.
+// picture: 500 for each element. In Bitterli's staircase all of pass one took 7.6 CPU seconds for 17,731
+// elements, nearly 1000 rays of that picture for each. Others take tenths of a second.
 double rays_of_pass_one(const Scene& scene, std::size_t pixels) {
   constexpr std::size_t many = 8192;
   constexpr double rays_of_an_element = 500.0;
@@ -157,7 +157,8 @@ std::optional<ViewProbe> fit_to_view(Plan& plan, IntegratorKind integrator, cons
                          sees_none ? "the picture sees no light that goes from one diffuse surface to another"
                                    : "tracing paths is cheaper for this view"}}};
   } else if (picture_rays > 0.0 && (probe.gain() - 1.0) * picture_rays < rays_of_pass_one(scene, pixels)) {
-    plan = {.skipped = {{"radiosity pass", "for so few samples of so many surfaces it would cost more than it saves"}}};
+    plan = {.skipped = {
+                {"radiosity pass", "for so few samples of so many surfaces it would cost more than it saves"}}};
   }
   return probe;
 }

@@ -35,9 +35,9 @@ ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow
 inline constexpr double least_gain = 1.15;
 
 /// Takes the radiosity pass of `two_pass` out of the plan where the view gains too little by it, or where the
-/// picture is so short that it would cost more than it saves. `picture_rays`: that two passes would take, about; 0: not
-/// known. Where a solution is there already (`has_solution`), it costs nothing. What was seen of the view; none where
-/// nobody had to look.
+/// picture is so short that it would cost more than it saves. `picture_rays`: that two passes would take,
+/// about; 0: not known. Where a solution is there already (`has_solution`), it costs nothing. What was seen of
+/// the view; none where nobody had to look.
 std::optional<ViewProbe> fit_to_view(Plan& plan, IntegratorKind integrator, const Scene& scene,
                                      const Camera& camera, const PixelWindow& window, const PathLimits& limits,
                                      std::uint32_t seed, double picture_rays = 0.0, bool has_solution = false);

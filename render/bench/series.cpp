@@ -141,7 +141,8 @@ BenchSeries measure_series(const BenchSubject& subject, IntegratorKind kind, con
                    .integrator = kind,
                    .radiosity = radiosity_options(kind, subject.limits, subject.camera, window, radiosity)};
     // As in a render of which the number of samples is not known.
-    const bool is_judged = plan.radiosity_pass && kind == IntegratorKind::two_pass && !is_clamped(subject.limits);
+    const bool is_judged =
+        plan.radiosity_pass && kind == IntegratorKind::two_pass && !is_clamped(subject.limits);
     const PreparedPassOne prepared =
         is_judged ? prepare_within_bias(std::move(job), subject.camera, window, subject.limits,
                                         bias_goal({}, window, 1), [](const std::string&) {})

@@ -88,8 +88,8 @@ struct SeriesBudget {
 BenchSeries measure_series(const BenchSubject& subject, IntegratorKind kind, const BenchReference& reference,
                            const SeriesBudget& budget, const std::function<void(double)>& report);
 
-/// CPU seconds until a series reaches a relMSE, between two points along the straight line of logarithms; infinite
-/// if it does not. REQUIRES: relmse > 0.
+/// CPU seconds until a series reaches a relMSE, between two points along the straight line of logarithms;
+/// infinite if it does not. REQUIRES: relmse > 0.
 double time_to_error(const std::vector<SeriesPoint>& points, double relmse);
 
 }  // namespace twopass

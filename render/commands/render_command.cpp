@@ -57,8 +57,8 @@ PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const Ren
         console.note(options.solution_file + ": not needed, because " + skipped.why);
   } else if (!options.solution_file.empty()) {
     const Stopwatch stopwatch;
-    job.solved = load_fitting_solution(scene, options.solution_file, job.radiosity.max_reflections,
-                                       stored_groups);
+    job.solved =
+        load_fitting_solution(scene, options.solution_file, job.radiosity.max_reflections, stored_groups);
     load_time = stopwatch.elapsed();
   }
   const bool is_judged = options.certificate && plan.radiosity_pass &&
@@ -192,7 +192,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   }
 
   Stopwatch stopwatch;
-  LoadedScene loaded = options.scene.load(console, SceneOptions::Additions::light_and_camera, options.display.config);
+  LoadedScene loaded =
+      options.scene.load(console, SceneOptions::Additions::light_and_camera, options.display.config);
   RenderSettings settings = settle(options, loaded.settings, console);
   // What a picture is judged by must not depend on how it is divided, nor on when it was to end at first.
   SamplingGoal judged_by = settings.goal;
@@ -229,9 +230,8 @@ int render(const RenderOptions& options, const GlobalOptions& global) {
   const RadiosityOptions radiosity = radiosity_options(settings.integrator, settings.limits, camera, whole,
                                                        options.radiosity.settle(settings.seed), picture);
   GroupedIrradiance stored_groups;
-  const PreparedPassOne pass_one =
-      run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity, picture.rays, console, s,
-                   stored_groups);
+  const PreparedPassOne pass_one = run_pass_one(scene, camera, options, settings, judged_by, plan, radiosity,
+                                                picture.rays, console, s, stored_groups);
   const std::optional<GroupedLight> grouped =
       group_solution(scene, groups, std::move(stored_groups), pass_one, radiosity, console, s);
 

@@ -120,9 +120,7 @@ void RenderOptions::add_to(CLI::App& command) {
   for (CLI::Option* option : radiosity.add_to(command)) solution->excludes(option);
   add_display_options(command, display);
   add_working_space_option(command, display.working_space);
-  command
-      .add_option("--exr-type", exr_type,
-                  "Pixels of .exr files (default: as the scene says, else half)")
+  command.add_option("--exr-type", exr_type, "Pixels of .exr files (default: as the scene says, else half)")
       ->check(CLI::IsMember({"half", "float"}));
   layers.add_to(command);
   command.add_flag("!--no-certificate", certificate,

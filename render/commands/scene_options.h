@@ -29,9 +29,9 @@ struct SceneOptions {
   void add_to(CLI::App& command);
   void add_sky_to(CLI::App& command);
   void add_view_to(CLI::App& command);
-  /// Loads the scene, applies the options, and says on the console what was noticed. What is to be seen, that is
-  /// with additions, is `centred`; else coordinates are those of the file. Colour spaces of textures are those of
-  /// the configuration, as in DisplayOptions. Throws Error.
+  /// Loads the scene, applies the options, and says on the console what was noticed. What is to be seen, that
+  /// is with additions, is `centred`; else coordinates are those of the file. Colour spaces of textures are
+  /// those of the configuration, as in DisplayOptions. Throws Error.
   [[nodiscard]] LoadedScene load(const Console& console, Additions additions,
                                  const std::string& color_config) const;
 };

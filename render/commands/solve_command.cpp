@@ -102,8 +102,7 @@ int solve(const SolveOptions& options, const GlobalOptions& global) {
   stopwatch = Stopwatch();
   const Solution solution = solve_radiosity(scene, radiosity);
   GroupedIrradiance groups;
-  if (options.light_groups)
-    groups = solve_by_group(scene, light_groups_of(scene), solution, radiosity);
+  if (options.light_groups) groups = solve_by_group(scene, light_groups_of(scene), solution, radiosity);
   s.radiosity_time = stopwatch.elapsed();
   s.radiosity = solution.stats();
   for (const std::string& note : solution.stats().notes) console.note(note);

@@ -42,8 +42,8 @@ inline V2f square_to_triangle(const V2f& u) {
   return {u.x - half, u.y - half};
 }
 
-/// Point of the unit disk for one of the square from -1 to 1, with constant density (Shirley and Chiu 1997): each
-/// of the four triangles between the middle and an edge becomes the quarter of the disk around it.
+/// Point of the unit disk for one of the square from -1 to 1, with constant density (Shirley and Chiu 1997):
+/// each of the four triangles between the middle and an edge becomes the quarter of the disk around it.
 template <class V2>
 V2 square_to_disk_concentric(const V2& p) {
   using T = typename V2::BaseType;

@@ -172,10 +172,10 @@ void check_color_space(const NamedConfig& named, const std::string& name, std::s
   if (named.config->getColorSpace(name.c_str()) != nullptr) return;
   const std::vector<std::string> known = color_spaces_of(*named.config);
   const std::vector<std::string_view> views(known.begin(), known.end());
-  throw Error(
-      where,
-      "the OpenColorIO configuration " + named.name + " has no colour space '" + name + "', nor such an alias or role",
-      "use one of: " + join_names(views) + std::string(remedy));
+  throw Error(where,
+              "the OpenColorIO configuration " + named.name + " has no colour space '" + name +
+                  "', nor such an alias or role",
+              "use one of: " + join_names(views) + std::string(remedy));
 }
 
 C3f through(const ocio::ConstCPUProcessorRcPtr& processor, const C3f& color) {

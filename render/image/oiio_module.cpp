@@ -1,6 +1,5 @@
 // The module twopass_oiio.so: encodes and decodes pictures with OpenImageIO behind a C interface.
 #include "render/image/oiio_module.h"
-#include "render/image/oiio_failure.h"
 
 #include <algorithm>
 #include <cstring>
@@ -14,6 +13,8 @@
 #include <OpenImageIO/imageio.h>
 #include <sys/mman.h>
 #include <unistd.h>
+
+#include "render/image/oiio_failure.h"
 
 namespace {
 

@@ -18,8 +18,7 @@ int find(const std::vector<std::string>& channels, std::string_view name) {
 }  // namespace
 
 TexelDecoder::TexelDecoder(const TexelOptions& options, const std::vector<std::string>& channels,
-                           bool is_integer, const std::optional<Primaries>& primaries,
-                           std::string_view where)
+                           bool is_integer, const std::optional<Primaries>& primaries, std::string_view where)
     : stride_(channels.size()),
       kind_(options.encoding.kind),
       gamma_(options.encoding.gamma),

@@ -51,8 +51,8 @@ struct TexelOptions {
 
 class TexelDecoder {
  public:
-  /// For pictures with these channels, whose linear colours are in `primaries`, if they say so; `where` names the
-  /// picture in errors. Throws Error when it lacks the channel, or OpenColorIO the colour space.
+  /// For pictures with these channels, whose linear colours are in `primaries`, if they say so; `where` names
+  /// the picture in errors. Throws Error when it lacks the channel, or OpenColorIO the colour space.
   TexelDecoder(const TexelOptions& options, const std::vector<std::string>& channels, bool is_integer,
                const std::optional<Primaries>& primaries, std::string_view where);
 

@@ -50,8 +50,8 @@ struct LoadedScene {
 using Definitions = std::map<std::string, std::string>;
 
 /// Loads by extension: .xml Mitsuba, .obj Wavefront, .gltf and .glb glTF 2.0. Throws Error (file:line) for what
-/// cannot be read, is malformed or is not supported, naming what is; with `ignore_unsupported`, features of a Mitsuba
-/// scene that are not supported are left out.
+/// cannot be read, is malformed or is not supported, naming what is; with `ignore_unsupported`, features of a
+/// Mitsuba scene that are not supported are left out.
 LoadedScene load_scene(const std::filesystem::path& path, const Definitions& definitions,
                        const TextureOptions& textures = {}, bool ignore_unsupported = false);
 

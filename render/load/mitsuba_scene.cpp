@@ -173,8 +173,8 @@ class SceneReader {
 };
 
 // Transforms are double; floats, which positions become, have few digits left for what lies far from where they
-// are counted from. A point to count from that is nearer where the scene is a thousand times as far from 0 as it
-// is large, else 0. A float, so that what a file holds as floats loses nothing.
+// are counted from. A point to count from that is nearer where the scene is a thousand times as far from 0 as
+// it is large, else 0. A float, so that what a file holds as floats loses nothing.
 V3d better_origin(const Box3f& bounds) {
   constexpr double far = 1000.0;
   if (bounds.isEmpty()) return V3d(0.0);

@@ -120,13 +120,14 @@ Texture MitsubaTextures::read_checkerboard(Properties& p, ColorUse use) {
 Texture MitsubaTextures::read_mesh_attribute(Properties& p, ColorUse use) {
   const std::optional<std::string> name = p.text("name");
   if (!name || !(name->starts_with("vertex_") || name->starts_with("face_")))
-    throw Error(p.where("name"), "texture 'mesh_attribute' needs the name of an attribute",
-                "give a name that starts with vertex_ or face_, as in <string name=\"name\" value=\"vertex_color\"/>");
+    throw Error(
+        p.where("name"), "texture 'mesh_attribute' needs the name of an attribute",
+        "give a name that starts with vertex_ or face_, as in <string name=\"name\" value=\"vertex_color\"/>");
   const auto factor = static_cast<float>(p.number("scale").value_or(1.0));
-  return MeshColors{*name, nullptr,
-                    TexelScale{.factor = C3f(factor),
-                               .lowest = 0.0f,
-                               .highest = use == ColorUse::reflectance ? 1.0f : infinity_f}};
+  return MeshColors{
+      *name, nullptr,
+      TexelScale{
+          .factor = C3f(factor), .lowest = 0.0f, .highest = use == ColorUse::reflectance ? 1.0f : infinity_f}};
 }
 
 Texture MitsubaTextures::of(const XmlNode& texture, ColorUse use) {

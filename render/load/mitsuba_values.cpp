@@ -161,7 +161,8 @@ C3f in_range(const C3d& color, const XmlNode& node, ColorUse use, Notes& notes) 
   }
   if (is_reduced) {
     const std::string* name = node.find("name");
-    notes.add(node.file->string() + ": " + (name ? in_quotes(*name) : "a reflectance") + " above 1 reduced to 1");
+    notes.add(node.file->string() + ": " + (name ? in_quotes(*name) : "a reflectance") +
+              " above 1 reduced to 1");
   }
   return result;
 }

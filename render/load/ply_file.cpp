@@ -250,8 +250,9 @@ class PlyReader {
         if (!(index >= 0.0 && index < static_cast<double>(vertices_))) {
           char text[40];  // it may be any double
           std::snprintf(text, sizeof text, "%.10g", index);
-          numbers_.fail(std::string("a face names vertex ") + text + ", and there are " + std::to_string(vertices_),
-                        "vertices are numbered from 0");
+          numbers_.fail(
+              std::string("a face names vertex ") + text + ", and there are " + std::to_string(vertices_),
+              "vertices are numbered from 0");
         }
       const auto corner = [&](std::size_t k) { return static_cast<std::uint32_t>(list_[k]); };
       if (list_.size() == 3) {

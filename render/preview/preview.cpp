@@ -120,8 +120,8 @@ struct Preview::State {
   const V2i size;
   const int blocks_x;
   std::vector<Block> blocks;
-  std::vector<float> pixels;  // of each block, under its mutex
-  ViewerConnection connection;      // the thread's
+  std::vector<float> pixels;    // of each block, under its mutex
+  ViewerConnection connection;  // the thread's
   std::mutex mutex;
   std::condition_variable wake;
   std::atomic<bool> stopping{false};

@@ -59,7 +59,9 @@ inline float rounding_offset(const Placement& to_world, const V3f& position, flo
 }
 
 /// Areas and normals of analytic surfaces; the normal is that of a disk's front.
-inline V3f unit_normal(const Disk& disk) { return unit(disk.reversed ? disk.y.cross(disk.x) : disk.x.cross(disk.y)); }
+inline V3f unit_normal(const Disk& disk) {
+  return unit(disk.reversed ? disk.y.cross(disk.x) : disk.x.cross(disk.y));
+}
 inline double area_of(const Disk& disk) { return pi * V3d(disk.x).cross(V3d(disk.y)).length(); }
 inline double area_of(const Cylinder& cylinder) { return 2.0 * pi * cylinder.radius * cylinder.length; }
 
@@ -130,8 +132,8 @@ inline bool intersect_sphere(const Sphere& sphere, const V3f& origin, const V3f&
   return true;
 }
 
-/// The distance at which a line meets a disk, in units of the direction's length, and where: center + a x + b y.
-/// False: it misses.
+/// The distance at which a line meets a disk, in units of the direction's length, and where: center + a x + b
+/// y. False: it misses.
 inline bool intersect_disk(const Disk& disk, const V3f& origin, const V3f& direction, double& t, V2d& at) {
   const V3d x(disk.x), y(disk.y), d(direction), to_center = V3d(disk.center) - V3d(origin);
   const V3d normal = x.cross(y);

@@ -5,8 +5,8 @@
 
 namespace twopass {
 
-/// Veach's power heuristic with exponent 2 (integrators, I3): the weight of a sample drawn with density `own` that the other
-/// technique would draw with density `other`.
+/// Veach's power heuristic with exponent 2 (integrators, I3): the weight of a sample drawn with density `own`
+/// that the other technique would draw with density `other`.
 inline float power_heuristic(float own, float other) {
   const float ratio = other / own;
   return 1.0f / (1.0f + ratio * ratio);

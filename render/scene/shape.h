@@ -23,9 +23,9 @@ struct MeshAttribute {
 /// A triangle mesh. The front of a triangle is the side from which its corners run counter-clockwise.
 struct Mesh {
   std::vector<V3f> positions;
-  std::vector<V3f> normals;    ///< shading normals, unit, one a position; or empty: faceted
-  std::vector<V2f> uvs;        ///< texture coordinates, one a position; or empty
-  std::vector<V3u> triangles;  ///< indices into the arrays above; all in range
+  std::vector<V3f> normals;                 ///< shading normals, unit, one a position; or empty: faceted
+  std::vector<V2f> uvs;                     ///< texture coordinates, one a position; or empty
+  std::vector<V3u> triangles;               ///< indices into the arrays above; all in range
   std::vector<MeshAttribute> attributes{};  ///< further data, as its file names them
 };
 
@@ -40,8 +40,8 @@ struct Sphere {
 };
 
 /// An analytic disk, or an ellipse: center + a x + b y for a^2 + b^2 <= 1. Its front is the side from which x
-/// turns counter-clockwise to y, unless `reversed`. Texture coordinates: u is the radius sqrt(a^2 + b^2), v runs
-/// around from x (0) over y (1/4) to x (1).
+/// turns counter-clockwise to y, unless `reversed`. Texture coordinates: u is the radius sqrt(a^2 + b^2), v
+/// runs around from x (0) over y (1/4) to x (1).
 struct Disk {
   V3f center{0.0f};
   V3f x{1.0f, 0.0f, 0.0f}, y{0.0f, 1.0f, 0.0f};  ///< not parallel; a circle: perpendicular, a radius long

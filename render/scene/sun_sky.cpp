@@ -124,7 +124,7 @@ SunSky::SunSky(const SunSkyOptions& options)
 
 // The table that the sky is sampled from; returns the integral of the sky's radiance.
 C3d SunSky::tabulate_sky() {
-  constexpr int sub = 2;  // points of a cell, each way
+  constexpr int sub = 2;                              // points of a cell, each way
   std::vector<C3d> cells(bands * sectors, C3d(0.0));  // Imath leaves colours as they are
   parallel_for(bands, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin * sectors; i < end * sectors; ++i) {

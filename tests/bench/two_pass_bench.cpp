@@ -70,8 +70,9 @@ class Subject {
     Plan plan = plan_render(needs_, kind, limits_);
     if (options_.keep_pass_one) return plan;
     const PixelWindow window{{0, 0}, size_};
-    goal = picture_goal(options_.picture, window, 1,
-                        fit_to_view(plan, kind, scene_, camera_, window, limits_, 0, rays_of(options_.picture, window, 1)));
+    goal = picture_goal(
+        options_.picture, window, 1,
+        fit_to_view(plan, kind, scene_, camera_, window, limits_, 0, rays_of(options_.picture, window, 1)));
     return plan;
   }
 
@@ -87,10 +88,11 @@ class Subject {
                    .picture_rays = goal.rays};
     const bool is_judged = options_.is_judged && kind == IntegratorKind::two_pass && plan.radiosity_pass;
     PreparedPassOne done =
-        is_judged ? prepare_within_bias(std::move(job), camera_, {{0, 0}, size_}, limits_,
-                                        bias_goal(options_.picture, {{0, 0}, size_}, 1),
-                                        [](const std::string& step) { std::fprintf(stderr, "%s\n", step.c_str()); })
-                  : prepare_pass_one(std::move(job));
+        is_judged
+            ? prepare_within_bias(std::move(job), camera_, {{0, 0}, size_}, limits_,
+                                  bias_goal(options_.picture, {{0, 0}, size_}, 1),
+                                  [](const std::string& step) { std::fprintf(stderr, "%s\n", step.c_str()); })
+            : prepare_pass_one(std::move(job));
     if (options_.gathers) done.field.reset();
     done.gathers_twice = options_.gathers_twice;
     return done;

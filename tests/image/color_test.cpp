@@ -180,9 +180,8 @@ TEST_F(Color, NamedSpacesHaveThePrimariesOfTheirNames) {
     const Primaries seen = primaries_of(conversion(primaries, *find_interop_space(rec709_id)));
     // Under Rec.709's white: the same, where that is the space's own.
     if (primaries.white == find_interop_space(rec709_id)->white) {
-      for (const auto& [a, b] : {std::pair(seen.red, primaries.red),
-                                 {seen.green, primaries.green},
-                                 {seen.blue, primaries.blue}})
+      for (const auto& [a, b] :
+           {std::pair(seen.red, primaries.red), {seen.green, primaries.green}, {seen.blue, primaries.blue}})
         EXPECT_LT((a - b).length(), 1e-5f) << name;
     }
     EXPECT_LT((seen.white - V2f(0.3127f, 0.3290f)).length(), 1e-5f) << name;

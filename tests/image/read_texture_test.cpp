@@ -45,8 +45,7 @@ TEST_F(ReadTextureTest, FileAndMemoryAgree) {
                     b = read_texture(std::as_bytes(std::span(bytes)), {}, "memory");
   EXPECT_TRUE(a.image->has_same_texels(*b.image));
   const Image decoded = read_raster(file("a.png")).image;
-  for (int x = 0; x < 19; ++x)
-    EXPECT_FLOAT_EQ(a.image->texel(0, x, 3).y, srgb_decode(decoded.at(x, 3, 1)));
+  for (int x = 0; x < 19; ++x) EXPECT_FLOAT_EQ(a.image->texel(0, x, 3).y, srgb_decode(decoded.at(x, 3, 1)));
 }
 
 TEST_F(ReadTextureTest, ValuesThatAreNoNumbersAreCountedAndReadAsZero) {

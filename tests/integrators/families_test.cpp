@@ -108,8 +108,7 @@ TEST_P(FamiliesTest, TwoPassCarriesTheFamilyOnce) {
   if (caustics.empty()) return;
   const auto with_map =
       make_integrator(IntegratorKind::two_pass, scene, {.solution = &solution, .caustics = &caustics}, {});
-  const test::Estimate mapped =
-      test::mean_radiance(*with_map, c.origin, c.axis, c.cos_half_angle, 100000, 1);
+  const test::Estimate mapped = test::mean_radiance(*with_map, c.origin, c.axis, c.cos_half_angle, 100000, 1);
   EXPECT_NEAR(mapped.mean(), truth.mean(),
               4.4 * std::hypot(mapped.standard_error(), truth.standard_error()) + 0.015 * truth.mean());
 }

@@ -54,14 +54,15 @@ TEST_P(FurnaceTest, RadianceIsTheSameEverywhere) {
 
 INSTANTIATE_TEST_SUITE_P(
     Integrators, FurnaceTest,
-    testing::Values(FurnaceCase{"path_grey", IntegratorKind::path, C3f(0.5f), false, false},
-                    FurnaceCase{"path_bright_mirror_glass", IntegratorKind::path, C3f(0.9f, 0.5f, 0.1f), true, true},
-                    FurnaceCase{"twopass_grey", IntegratorKind::two_pass, C3f(0.5f), false, false},
-                    FurnaceCase{"twopass_colour", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), false, false},
-                    FurnaceCase{"twopass_mirror", IntegratorKind::two_pass, C3f(0.6f), true, false},
-                    FurnaceCase{"twopass_mirror_glass", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), true, true},
-                    FurnaceCase{"radiosity_grey", IntegratorKind::radiosity, C3f(0.5f), false, false},
-                    FurnaceCase{"radiosity_mirror_glass", IntegratorKind::radiosity, C3f(0.5f), true, true}),
+    testing::Values(
+        FurnaceCase{"path_grey", IntegratorKind::path, C3f(0.5f), false, false},
+        FurnaceCase{"path_bright_mirror_glass", IntegratorKind::path, C3f(0.9f, 0.5f, 0.1f), true, true},
+        FurnaceCase{"twopass_grey", IntegratorKind::two_pass, C3f(0.5f), false, false},
+        FurnaceCase{"twopass_colour", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), false, false},
+        FurnaceCase{"twopass_mirror", IntegratorKind::two_pass, C3f(0.6f), true, false},
+        FurnaceCase{"twopass_mirror_glass", IntegratorKind::two_pass, C3f(0.9f, 0.5f, 0.1f), true, true},
+        FurnaceCase{"radiosity_grey", IntegratorKind::radiosity, C3f(0.5f), false, false},
+        FurnaceCase{"radiosity_mirror_glass", IntegratorKind::radiosity, C3f(0.5f), true, true}),
     [](const testing::TestParamInfo<FurnaceCase>& model) { return model.param.name; });
 
 }  // namespace

@@ -80,8 +80,8 @@ TEST(TwoPass, LooksIndirectLightUp) {
 }
 
 // The same room with a coat on its floor: diffuse reflection of indirect light is looked up, direct light is
-// sampled, the coat is traced. Without (R50), 2 % would be missing: the lamp shines steeply on the floor, and the
-// coat lets more of that through than of light from all around.
+// sampled, the coat is traced. Without (R50), 2 % would be missing: the lamp shines steeply on the floor, and
+// the coat lets more of that through than of light from all around.
 SceneDescription coated_room() {
   SceneDescription scene = furnished_room();
   RoughPlastic coated;

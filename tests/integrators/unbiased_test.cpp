@@ -180,7 +180,8 @@ TEST(Unbiased, GuidedDirectionsOnTheHorizonAreFinite) {
     const V2f last(0x1.fffffep-1f * u.x, 0x1.fffffep-1f);
     on_the_horizon += lobe.sample(last).pdf_w == 0.0f;
     const Frame shading(normal);
-    const auto drawn = GuidedDirections(bsdf, V3f(0, 0, 1), shading, lobe, 1.0f).sample(last, lobe.row_of(last.y));
+    const auto drawn =
+        GuidedDirections(bsdf, V3f(0, 0, 1), shading, lobe, 1.0f).sample(last, lobe.row_of(last.y));
     if (drawn) {
       ASSERT_TRUE(is_finite(drawn->weight)) << drawn->weight << " " << drawn->pdf_w;
     }

@@ -21,8 +21,8 @@ const std::string cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\
 const std::string cube_faces = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 TEST(ObjMesh, SharesVerticesByAllTheirIndices) {
-  const Mesh mesh =
-      mesh_of(mesh_of_text(square_corners + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 0.5\nf 1/1 2/2 3/3\nf 1/1 3/4 4/2\n"));
+  const Mesh mesh = mesh_of(
+      mesh_of_text(square_corners + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 0.5\nf 1/1 2/2 3/3\nf 1/1 3/4 4/2\n"));
   EXPECT_EQ(mesh.positions.size(), 5u);  // position 3 has two texture coordinates
   ASSERT_EQ(mesh.uvs.size(), 5u);
   EXPECT_EQ(mesh.uvs[1], V2f(1, 0));
@@ -31,7 +31,8 @@ TEST(ObjMesh, SharesVerticesByAllTheirIndices) {
 }
 
 TEST(ObjMesh, CornersWithoutNormalsGetTheirFaces) {
-  const Mesh mesh = mesh_of(mesh_of_text(square_corners + "vn 0 0.6 0.8\nvn 0 0 0\nf 1//1 2//1 3\nf 1 3 4//2\n"));
+  const Mesh mesh =
+      mesh_of(mesh_of_text(square_corners + "vn 0 0.6 0.8\nvn 0 0 0\nf 1//1 2//1 3\nf 1 3 4//2\n"));
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
   EXPECT_EQ(mesh.positions.size(), 6u);  // every face has its own
   expect_near(mesh.normals[0], {0, 0.6f, 0.8f});

@@ -47,13 +47,14 @@ TEST_F(TextureFilesTest, NamesMatchInAnyCaseAndWithBackSlashes) {
 TEST_F(TextureFilesTest, ColourSpacesAreThoseOfTheConfigurationThatIsAskedFor) {
   write_picture("a.exr", 0.5f);
   // Half of ACES, whose white is that of Rec.709.
-  const auto config = write("halved.ocio",
-                            "ocio_profile_version: 2\nroles: {default: aces, aces_interchange: aces}\n"
-                            "file_rules:\n  - !<Rule> {name: Default, colorspace: default}\n"
-                            "displays:\n  Screen:\n    - !<View> {name: Raw, colorspace: aces}\n"
-                            "colorspaces:\n  - !<ColorSpace> {name: aces}\n  - !<ColorSpace>\n    name: halved\n"
-                            "    to_scene_reference: !<MatrixTransform> "
-                            "{matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}\n");
+  const auto config =
+      write("halved.ocio",
+            "ocio_profile_version: 2\nroles: {default: aces, aces_interchange: aces}\n"
+            "file_rules:\n  - !<Rule> {name: Default, colorspace: default}\n"
+            "displays:\n  Screen:\n    - !<View> {name: Raw, colorspace: aces}\n"
+            "colorspaces:\n  - !<ColorSpace> {name: aces}\n  - !<ColorSpace>\n    name: halved\n"
+            "    to_scene_reference: !<MatrixTransform> "
+            "{matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}\n");
   TextureRequest halved = request("a.exr");
   halved.texels.encoding = {.kind = TextureEncoding::Kind::color_space, .color_space = "halved"};
   TextureFiles files({.color_config = config.string()});

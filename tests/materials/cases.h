@@ -17,8 +17,8 @@ struct Case {
   float eta = 0.0f;      ///< where refraction peaks: index of refraction of the far side; 0 where it does not
   float albedo_max = 1.0f;  ///< what the model may return of uniform light
 
-  /// The model, its tables prepared here alone: that takes a tenth of a second, which every start of a program that
-  /// lists its cases would spend.
+  /// The model, its tables prepared here alone: that takes a tenth of a second, which every start of a program
+  /// that lists its cases would spend.
   Bsdf bsdf() const {
     Bsdf model = unprepared;
     if (auto* plastic = std::get_if<RoughPlastic>(&model)) plastic->prepare();

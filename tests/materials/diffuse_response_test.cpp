@@ -25,8 +25,8 @@ TEST(DiffuseResponse, IsEvenForLambertsModelAndForWhatDoesNotDiffuse) {
   }
 }
 
-// Of a smooth coat it is in closed form: what the coat lets through from there over what it lets through of even
-// light.
+// Of a smooth coat it is in closed form: what the coat lets through from there over what it lets through of
+// even light.
 TEST(DiffuseResponse, IsThatOfFresnelUnderASmoothCoat) {
   Plastic plastic;
   plastic.base_reflectance = C3f(0.2f, 0.5f, 0.9f);
@@ -53,7 +53,8 @@ TEST(DiffuseResponse, IsOneOnAverageOverEvenLight) {
   };
   const Mixture mixture{C3f(0.5f), leaf(Diffuse{C3f(0.6f)}), leaf(rough)};
   const MaterialSide mixed(std::make_shared<const MaterialNode>(MaterialNode{mixture}));
-  for (const MaterialSide& side : {MaterialSide(Plastic{}), MaterialSide(rough), MaterialSide(Principled{}), mixed}) {
+  for (const MaterialSide& side :
+       {MaterialSide(Plastic{}), MaterialSide(rough), MaterialSide(Principled{}), mixed}) {
     const DiffuseResponse response(side);
     EXPECT_FALSE(response.is_even());
     EXPECT_NEAR(mean_over_even_light(response), 1.0, 1e-4);

@@ -96,14 +96,17 @@ TEST(Lobes, WithoutDiffuseLobesTheOthersAreLeft) {
       const V3f wo = square_to_cosine_hemisphere(sampler.next_2d());
       if (!(wo.z > 0.0f)) continue;
       const V3f wi = square_to_sphere(sampler.next_2d());
-      const C3f all = eval(c.bsdf(), wo, wi), expected = all - eval_diffuse(c.bsdf(), wo, wi), left = eval(rest, wo, wi);
-      for (int k = 0; k < 3; ++k) ASSERT_NEAR(left[k], expected[k], 1e-5f * all[k] + 1e-7f) << c.name << " " << i;
+      const C3f all = eval(c.bsdf(), wo, wi), expected = all - eval_diffuse(c.bsdf(), wo, wi),
+                left = eval(rest, wo, wi);
+      for (int k = 0; k < 3; ++k)
+        ASSERT_NEAR(left[k], expected[k], 1e-5f * all[k] + 1e-7f) << c.name << " " << i;
       const auto drawn = sample(rest, wo, sampler.next_2d());
       if (!drawn || drawn->is_specular || drawn->pdf_w > 1e4f) continue;  // where the angle is lost in rounding
       const BsdfValue at = visit_model(rest, [&](const auto& model) { return evaluate(model, wo, drawn->wi); });
       ASSERT_NEAR(drawn->pdf_w, at.pdf_w, 2e-3f * at.pdf_w) << c.name << " " << i;
       for (int k = 0; k < 3; ++k)
-        ASSERT_NEAR(drawn->weight[k] * drawn->pdf_w, at.value[k], 2e-3f * at.value[k] + 1e-6f) << c.name << " " << i;
+        ASSERT_NEAR(drawn->weight[k] * drawn->pdf_w, at.value[k], 2e-3f * at.value[k] + 1e-6f)
+            << c.name << " " << i;
     }
   }
 }

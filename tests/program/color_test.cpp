@@ -286,7 +286,8 @@ colorspaces:
     encoding: sdr-video
     from_scene_reference: !<FileTransform> {src: view.clf, interpolation: linear}
 )");
-  for (const std::string color : {"0.18 0.18 0.18", "0.9 0.02 0.4", "0.001 0.002 0.001", "1 1 1", "0.05 0.6 0.3"}) {
+  for (const std::string color :
+       {"0.18 0.18 0.18", "0.9 0.02 0.4", "0.001 0.002 0.001", "1 1 1", "0.05 0.6 0.3"}) {
     std::string with_commas = color;
     std::replace(with_commas.begin(), with_commas.end(), ' ', ',');
     write("sky.xml", R"(<scene version='3.0.0'><sensor type='perspective'><film type='hdrfilm'>

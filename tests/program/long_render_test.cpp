@@ -153,8 +153,8 @@ TEST_F(LongRender, WhatCannotBeIsSaidAtOnce) {
 }
 
 TEST_F(LongRender, APictureThatNeedsMoreMemoryThanThereIsIsRefusedBeforePassOne) {
-  const Outcome result = run("render '" + scene + "' --size 32768x32768 --spp 1 -o a.exr",
-                             "prlimit --as=4000000000");
+  const Outcome result =
+      run("render '" + scene + "' --size 32768x32768 --spp 1 -o a.exr", "prlimit --as=4000000000");
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_NE(result.err.find("32768x32768 pixels need"), std::string::npos) << result.err;
   EXPECT_EQ(result.err.find("radiosity"), std::string::npos) << "no work was done: " << result.err;

@@ -1,4 +1,6 @@
 // The program as a user runs it: exit codes, messages, files, bytes.
+#include "tests/program/program.h"
+
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -11,7 +13,6 @@
 #include <unistd.h>
 
 #include "render/image/picture.h"
-#include "tests/program/program.h"
 
 namespace twopass {
 namespace {
@@ -31,9 +32,9 @@ TEST_F(Program, WrongUsageExitsWithTwo) {
   for (const char* arguments :
        {"", "paint", "render", "render a.xml", "render a.xml -o b.exr --spp 0", "render a.xml -o b.exr --bogus",
         "render a.xml -o b.exr --clamp-direct 0", "render a.xml -o b.exr --clamp-indirect -1",
-        "render a.xml -o b.exr --camera 1,2,3", "compare a.exr", "compare a.exr b.exr --crop 1,2,3", "bench", "bench -o d --seeds 0",
-        "bench -o d --solvers lu", "solve a.xml",
-        "solve a.xml -o b.ply --elements 0", "solve a.xml -o b.ply --hemicube-resolution 1",
+        "render a.xml -o b.exr --camera 1,2,3", "compare a.exr", "compare a.exr b.exr --crop 1,2,3", "bench",
+        "bench -o d --seeds 0", "bench -o d --solvers lu", "solve a.xml", "solve a.xml -o b.ply --elements 0",
+        "solve a.xml -o b.ply --hemicube-resolution 1",
         "render a.xml -o b.exr --solution c.radiosity --solver lu",
         "render a.xml -o b.exr --elements 10 --solution c.radiosity"})
     EXPECT_EQ(run(arguments).exit_code, 2) << arguments;
@@ -289,7 +290,8 @@ TEST_F(Program, BenchWritesItsFilesAndKeepsReferences) {
   EXPECT_EQ(scene["series"][0]["points"][0]["pass_one_share"], 0.0);
   EXPECT_EQ(read(folder_ / "out/results.csv").substr(0, 13), "scene,method,");
   EXPECT_NE(read(folder_ / "out/report.html").find("<svg"), std::string::npos);
-  ASSERT_EQ(run(command + " --pass-one --solvers cg,stochastic --form-factors rays --elements 200").exit_code, 0);
+  ASSERT_EQ(run(command + " --pass-one --solvers cg,stochastic --form-factors rays --elements 200").exit_code,
+            0);
   const auto pass_one = nlohmann::json::parse(read(folder_ / "out/results.json"))["scenes"][0];
   EXPECT_EQ(pass_one["reference"]["cached"], true);
   ASSERT_EQ(pass_one["pass_one"].size(), 2u);
@@ -444,8 +446,7 @@ TEST_F(Program, NamesFromFilesDoNotCommandTheTerminal) {
   write("names.obj",
         "o red\x1b[31m\xc2\x9bm \x7f\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl \x1b]0;mine\x07\nf 1 2 3\n");
   write("names.xml", "<scene version='3.0.0'>\n<shape type='a&#10;b&#x1b;[2J'/></scene>");
-  for (const char* arguments :
-       {"info names.obj --verbose", "form-factors names.obj", "info names.xml"}) {
+  for (const char* arguments : {"info names.obj --verbose", "form-factors names.obj", "info names.xml"}) {
     const Outcome result = run(arguments);
     for (const char c : result.out + result.err) EXPECT_TRUE(c == '\n' || (c != '\x7f' && (c < 0 || c >= ' ')));
     EXPECT_EQ((result.out + result.err).find("\xc2\x9b"), std::string::npos) << arguments;
@@ -498,7 +499,8 @@ TEST_F(Program, AnObjWithoutCameraIsFramedAndSaysSo) {
 
 // Runs the program on the Cornell box, presses Ctrl-C after two seconds, and returns the exit code.
 int exit_code_of_interrupted(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {"render", TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml", "--quiet"});
+  arguments.insert(arguments.begin(),
+                   {"render", TWOPASS_SOURCE_DIR "/scenes/cornell-box/scene.xml", "--quiet"});
   RunningProgram program(arguments);
   sleep(2);
   program.send(SIGINT);

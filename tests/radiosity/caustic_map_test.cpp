@@ -15,8 +15,7 @@ SceneDescription lamp_beside_a_mirror() {
   test::add_diffuse(scene, "lamp", test::quad(z, y, x), C3f(0.0f), C3f(1.0f / pi_f, 2.0f / pi_f, 0.0f));
   test::add_diffuse(scene, "floor", test::quad(V3f(0, -1, 0), x * 2.0f, y * 3.0f), C3f(0.5f));
   scene.materials.push_back(one_sided("mirror", Conductor{}));
-  scene.shapes.push_back(
-      {"mirror", test::quad(V3f(0, -3, -3), y * 7.0f, z * 7.0f), 2, {C3f(0.0f), C3f(0.0f)}});
+  scene.shapes.push_back({"mirror", test::quad(V3f(0, -3, -3), y * 7.0f, z * 7.0f), 2, {C3f(0.0f), C3f(0.0f)}});
   return scene;
 }
 
@@ -56,8 +55,8 @@ TEST(CausticMap, OfFewParticlesIsTheSameButForItsNoise) {
   EXPECT_NEAR(mean_of_the_tile(scene, map).x / truth, 1.0f, 0.2f);
 }
 
-// Wherever its disk reaches, a particle is found: a small mirror throws the light of a small lamp into the middle of
-// the floor, in disks wider than that.
+// Wherever its disk reaches, a particle is found: a small mirror throws the light of a small lamp into the
+// middle of the floor, in disks wider than that.
 TEST(CausticMap, HoldsThePowerThatHasArrived) {
   const V3f x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   SceneDescription description = lamp_beside_a_mirror();

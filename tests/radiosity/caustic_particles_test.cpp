@@ -33,7 +33,8 @@ TEST(CausticParticles, OverAMirrorAreThoseOfTheMirrorImage) {
   // At the middle of the tile, closed form; the tile is too small for its mean to differ by more than 1e-4. Its
   // area is .01.
   const double truth = 0.084353664388 * 0.01, found = power_on(particles, 1).x;
-  // Two triangles of one tile: all that arrives. Particles that are aimed differ in what they carry by less than 2.
+  // Two triangles of one tile: all that arrives. Particles that are aimed differ in what they carry by less
+  // than 2.
   const auto hits = static_cast<double>(particles.all().size());
   EXPECT_GT(hits, 5000.0);
   EXPECT_NEAR(found / truth, 1.0, 5.0 / std::sqrt(0.5 * hits));
@@ -72,8 +73,8 @@ TEST(CausticParticles, GlassAroundALampPassesItsPower) {
 // A floor of smooth plastic reflects what Fresnel says of a lamp's light onto the ceiling; that is no caustic.
 TEST(CausticParticles, OfCoatsAreNoCaustics) {
   SceneDescription description = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
-  test::add_diffuse(description, "lamp", test::quad(V3f(0.4f, 0.4f, 0.9f), V3f(0, 0.2f, 0), V3f(0.2f, 0, 0)), C3f(0.0f),
-                    C3f(1.0f));
+  test::add_diffuse(description, "lamp", test::quad(V3f(0.4f, 0.4f, 0.9f), V3f(0, 0.2f, 0), V3f(0.2f, 0, 0)),
+                    C3f(0.0f), C3f(1.0f));
   description.materials[0] = one_sided("coated", Plastic{});
   const Scene scene(std::move(description));
   const CausticParticles particles(scene, {.seed = 1});
@@ -83,8 +84,8 @@ TEST(CausticParticles, OfCoatsAreNoCaustics) {
     EXPECT_NE(particle.shape, 0u);
     power += C3d(particle.power);
   }
-  // Of the lamp's pi x .04 W the floor gets .279 (form factor of a point above a square), and reflects .0387 of that
-  // at angles as steep as these.
+  // Of the lamp's pi x .04 W the floor gets .279 (form factor of a point above a square), and reflects .0387 of
+  // that at angles as steep as these.
   EXPECT_NEAR(power.x / (pi * 0.04), 0.279 * 0.0387, 3e-4);
 }
 

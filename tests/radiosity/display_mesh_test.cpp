@@ -92,7 +92,8 @@ TEST(DisplayMesh, AnalyticSurfacesAreWholeAndRightSideOut) {
       description.shapes.push_back({"sphere", Sphere{middle, 2.0f, inward}, material, dark});
       description.shapes.push_back({"disk", Disk{middle, V3f(2, 0, 0), V3f(0, 1, 0), inward}, material, dark});
       description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, axes}, material, dark});
-      description.shapes.push_back({"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, mirrored}, material, dark});
+      description.shapes.push_back(
+          {"cylinder", Cylinder{middle, 0.5f, 2.0f, inward, mirrored}, material, dark});
     }
   for (const Shape& shape : description.shapes) {
     SceneDescription one;
@@ -113,7 +114,8 @@ TEST(DisplayMesh, AnalyticSurfacesAreWholeAndRightSideOut) {
     EXPECT_LT(border, edges.size() / 4);
     const DisplaySide& side = display.sides[0];
     for (const V3u& t : side.triangle) {
-      const V3f normal = (side.position[t.y] - side.position[t.x]).cross(side.position[t.z] - side.position[t.x]);
+      const V3f normal =
+          (side.position[t.y] - side.position[t.x]).cross(side.position[t.z] - side.position[t.x]);
       V3f outward = side.position[t.x] + side.position[t.y] + side.position[t.z] - middle * 3.0f;
       if (shape.name == "disk") outward = V3f(0, 0, 1);
       if (shape.name == "cylinder") outward.y = 0.0f;

@@ -215,9 +215,9 @@ double difference(const Solution& a, const Solution& b) {
 // and links are compared with their own limit.
 TEST(Hierarchical, ApproachesTheExactSolutionWithinItsBound) {
   const std::vector<std::pair<std::string, SceneDescription>> scenes{
-      {"room", test::lit_room()},     {"bright room", test::lit_room(0.95f)},
-      {"cube", test::lit_cube(0.5f)}, {"plates", test::plates(0.1f, 0.5f)},
-      {"ball", room_with_ball()},     {"spheres", test::concentric_spheres(0.5f)},
+      {"room", test::lit_room()},          {"bright room", test::lit_room(0.95f)},
+      {"cube", test::lit_cube(0.5f)},      {"plates", test::plates(0.1f, 0.5f)},
+      {"ball", room_with_ball()},          {"spheres", test::concentric_spheres(0.5f)},
       {"mirror room", room_with_mirror()}, {"crowd", crowded_room(150)}};
   for (const auto& [name, description] : scenes) {
     const Scene scene(description);

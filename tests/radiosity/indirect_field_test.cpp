@@ -43,15 +43,15 @@ SceneDescription divided_room() {
   return scene;
 }
 
-// What a point receives from the elements of the solution, by as many rays as it takes. `normal`: of its surface, which may be tilted against its geometric normal.
+// What a point receives from the elements of the solution, by as many rays as it takes. `normal`: of its
+// surface, which may be tilted against its geometric normal.
 C3f gathered(const Scene& scene, const Solution& solution, const SurfacePoint& point, const V3f& normal,
              std::uint32_t key) {
   constexpr std::uint32_t rays = 4096;
   C3f sum(0.0f);
   for (std::uint32_t k = 0; k < rays; ++k) {
     Sampler sampler(7, key, k);
-    const V3f direction =
-        Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+    const V3f direction = Frame(normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
     if (!(direction.dot(point.geometric_normal) > 0.0f)) continue;
     const Ray ray{spawn_position(point, direction), direction};
     const Hit hit = scene.caster().intersect(ray);

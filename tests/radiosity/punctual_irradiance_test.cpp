@@ -78,7 +78,8 @@ TEST(PunctualIrradiance, ADirectionalLightIsTheSameEverywhere) {
   SceneDescription from_below = floor_below(DirectionalLight{-down, C3f(3.0f)});
   const Scene dark(std::move(from_below));
   std::uint64_t rays = 0;
-  for (const C3d& irradiance : punctual_irradiance(dark, mesh, ElementResponse(dark, mesh), 0, rays)) EXPECT_EQ(irradiance, C3d(0.0));
+  for (const C3d& irradiance : punctual_irradiance(dark, mesh, ElementResponse(dark, mesh), 0, rays))
+    EXPECT_EQ(irradiance, C3d(0.0));
 }
 
 TEST(PunctualIrradiance, ASpotThrowsAllOfItsPowerOntoAFloorThatHoldsItsCone) {

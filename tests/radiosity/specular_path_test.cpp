@@ -37,7 +37,8 @@ TEST(SpecularPath, GlassLosesNothingInEitherDirection) {
   EXPECT_NEAR(transmitted / double(paths), 0.96 / 1.04, 5.0 * std::sqrt(0.92 * 0.08 / paths));
 }
 
-// Light of a lamp over a rough coat, and over rough metal seen in it: met by chance alone, or sampled as well (R52).
+// Light of a lamp over a rough coat, and over rough metal seen in it: met by chance alone, or sampled as well
+// (R52).
 TEST(SpecularPath, SampledLampsAreTheLampsMetByChance) {
   RoughPlastic coated;
   coated.alpha = 0.3f;
@@ -46,7 +47,8 @@ TEST(SpecularPath, SampledLampsAreTheLampsMetByChance) {
   RoughConductor metal;
   metal.alpha_u = metal.alpha_v = 0.2f;
   SceneDescription description;
-  description.materials = {one_sided("coated", coated), one_sided("metal", metal), one_sided("black", Diffuse{C3f(0.0f)})};
+  description.materials = {one_sided("coated", coated), one_sided("metal", metal),
+                           one_sided("black", Diffuse{C3f(0.0f)})};
   description.shapes = {{"floor", test::quad(V3f(-9, -9, 0), V3f(18, 0, 0), V3f(0, 18, 0)), 0, {}},
                         {"wall", test::quad(V3f(1, -9, 0), V3f(0, 0, 9), V3f(0, 18, 0)), 1, {}},
                         {"lamp", test::quad(V3f(0, -0.1f, 1.5f), V3f(0, 0.2f, 0), V3f(0.2f, 0, 0)), 2, {}}};

@@ -131,7 +131,8 @@ TEST(WeightsFromAfar, TheDarkDoesNotDim) {
     return sum / 40.0;
   };
   const double truth = irradiance_near_the_floor(20000, {});
-  EXPECT_NEAR(irradiance_near_the_floor(400, rays_all_around()) / truth, 1.0, 0.12);  // light varies over an element
+  EXPECT_NEAR(irradiance_near_the_floor(400, rays_all_around()) / truth, 1.0,
+              0.12);  // light varies over an element
   EXPECT_LT(irradiance_near_the_floor(400, {}) / truth, 0.85);
 }
 

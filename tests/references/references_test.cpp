@@ -52,8 +52,8 @@ struct Converged {
   std::vector<double> mean, variance;
 };
 
-// A scene with what an integrator reads, prepared as the program does for that many samples a pixel; for `unbiased`,
-// which is right whatever its solution says, in haste.
+// A scene with what an integrator reads, prepared as the program does for that many samples a pixel; for
+// `unbiased`, which is right whatever its solution says, in haste.
 class Prepared {
  public:
   Prepared(const LoadedScene& loaded, IntegratorKind kind, int samples)

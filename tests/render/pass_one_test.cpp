@@ -82,11 +82,12 @@ TEST(PassOne, IsSolvedAgainOnMoreElementsFirst) {
   EXPECT_EQ(room.said[0].find("elements instead of"), std::string::npos);
 }
 
-// A shelf through the wall of a dark room takes the light of the day outside in with it. Relative to a truth of 0 that
-// is without bounds, and whatever two passes show is wrong.
+// A shelf through the wall of a dark room takes the light of the day outside in with it. Relative to a truth of
+// 0 that is without bounds, and whatever two passes show is wrong.
 TEST(PassOne, IsNotReadInADarkPlaceThatItsElementsCarryLightInto) {
   SceneDescription description = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
-  test::add_diffuse(description, "shelf", test::quad(V3f(0.6f, 0.3f, 0.2f), V3f(1, 0, 0), V3f(0, 0.5f, 0)), C3f(0.8f));
+  test::add_diffuse(description, "shelf", test::quad(V3f(0.6f, 0.3f, 0.2f), V3f(1, 0, 0), V3f(0, 0.5f, 0)),
+                    C3f(0.8f));
   description.environment = Environment(C3f(2.0f));
   Room room{.scene = Scene(std::move(description)), .said = {}};
   const auto job = [&] {
@@ -159,7 +160,9 @@ TEST(PassOne, ShortPicturesShootFewerCausticParticles) {
 
 constexpr PixelWindow picture{{0, 0}, {512, 512}};
 Camera camera_of(const PixelWindow& window) {
-  return {{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x}, window.size.x, window.size.y};
+  return {{look_at({0.5, 0.05, 0.5}, {0.5, 1, 0.45}, {0, 0, 1}, "test"), 70.0, FovAxis::x},
+          window.size.x,
+          window.size.y};
 }
 
 // Not below what a gathered picture needs, nor above what is worth its time.

@@ -201,13 +201,11 @@ struct Pause {
 TEST(RenderImage, ResumedAnywhereItHasTheSameBytesAsUninterrupted) {
   const Uneven integrator;
   const Camera camera(description, 60, 45);
-  for (const SamplingGoal& goal : {SamplingGoal{.samples_per_pixel = 40}, SamplingGoal{.relative_error = 0.03}}) {
+  for (const SamplingGoal& goal :
+       {SamplingGoal{.samples_per_pixel = 40}, SamplingGoal{.relative_error = 0.03}}) {
     const auto job = [&] {
-      return RenderJob{.integrator = integrator,
-                       .camera = camera,
-                       .filter = mitchell_filter(),
-                       .goal = goal,
-                       .seed = 3};
+      return RenderJob{
+          .integrator = integrator, .camera = camera, .filter = mitchell_filter(), .goal = goal, .seed = 3};
     };
     Film whole(60, 45);
     std::vector<Pause> pauses;
@@ -242,7 +240,12 @@ TEST(RenderImage, AResumedRenderAddsSamples) {
   const RenderOutcome first = run(integrator, film, {.samples_per_pixel = 8});
   const RenderState state{first.plan, {first.counts, 0}};
   const SamplingGoal goal{.samples_per_pixel = 32};
-  render_image({.integrator = integrator, .camera = camera, .filter = box_filter(), .goal = goal, .seed = 1, .resumed = &state},
+  render_image({.integrator = integrator,
+                .camera = camera,
+                .filter = box_filter(),
+                .goal = goal,
+                .seed = 1,
+                .resumed = &state},
                film);
   run(integrator, straight, goal);
   for (int y = 0; y < 20; ++y)
@@ -288,7 +291,8 @@ TEST(RenderImage, ProgressTellsPassSamplesErrorAndSpeed) {
   std::mutex mutex;
   std::vector<RenderProgress> reports;
   Film film(40, 40);
-  RenderJob job{.integrator = integrator, .camera = camera, .filter = box_filter(), .goal = {.samples_per_pixel = 64}};
+  RenderJob job{
+      .integrator = integrator, .camera = camera, .filter = box_filter(), .goal = {.samples_per_pixel = 64}};
   job.report_progress = [&](const RenderProgress& at) {
     const std::lock_guard lock(mutex);
     reports.push_back(at);

@@ -116,7 +116,8 @@ TEST(ViewProbe, PassOneIsSkippedWhereAShortPictureWouldWaitForManySurfaces) {
   const View view{std::move(scene), {0.5, 0.05, 0.5}, {0.5, 1.0, 0.4}};
   const auto has_pass_one = [&](double picture_rays, bool has_solution) {
     Plan plan = plan_render(needs_of(view.scene.description()), IntegratorKind::two_pass, {});
-    fit_to_view(plan, IntegratorKind::two_pass, view.scene, view.camera, window, {}, 0, picture_rays, has_solution);
+    fit_to_view(plan, IntegratorKind::two_pass, view.scene, view.camera, window, {}, 0, picture_rays,
+                has_solution);
     EXPECT_EQ(plan.skipped.empty(), plan.radiosity_pass);
     return plan.radiosity_pass;
   };

@@ -177,7 +177,8 @@ TEST(AnalyticShapes, DiskLampGivesItsExactIrradiance) {
     const Scene scene = scene_of(Disk{V3f(0, 0, h), V3f(2, 0, 0), V3f(0, -2, 0), false}, 3.0f);
     const test::Estimate e = irradiance_from(scene.lights(), V3f(0.0f), V3f(0, 0, 1), 100000);
     EXPECT_NEAR(e.mean(), 3.0 * pi * 4.0 / (4.0 + h * h), 5 * e.standard_error()) << h;
-    EXPECT_EQ(irradiance_from(scene.lights(), V3f(0, 0, 2 * h), V3f(0, 0, -1), 100).mean(), 0.0);  // its dark back
+    EXPECT_EQ(irradiance_from(scene.lights(), V3f(0, 0, 2 * h), V3f(0, 0, -1), 100).mean(),
+              0.0);  // its dark back
   }
 }
 

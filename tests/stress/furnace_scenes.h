@@ -24,8 +24,8 @@ Shape& add_furnace(SceneDescription& scene, const std::string& name, Geometry ge
 /// Adds a shape of a material that loses nothing and emits nothing.
 Shape& add_lossless(SceneDescription& scene, const std::string& name, Geometry geometry,
                     const Material& material);
-/// The unit room of albedo .5 with two boxes and a ball in it, under the sky of the furnace. The undersides of the
-/// boxes are as high above the floor as given.
+/// The unit room of albedo .5 with two boxes and a ball in it, under the sky of the furnace. The undersides of
+/// the boxes are as high above the floor as given.
 SceneDescription furnished_furnace(float above_floor = 0.0f);
 
 /// 120 triangles anywhere in the unit cube, needles and specks among them.

@@ -25,8 +25,8 @@ struct Agreement {
   static constexpr double darkest = 1e-6;
 };
 /// Renders both. What does not hold at few samples is tried again with many and more elements, since rare
-/// bright paths are no disagreement, and then as `twopass render` does by default, which judges the solution by its
-/// bias (integrators, I17), where few elements are too wrong.
+/// bright paths are no disagreement, and then as `twopass render` does by default, which judges the solution by
+/// its bias (integrators, I17), where few elements are too wrong.
 Agreement compare_integrators(std::uint32_t seed);
 
 }  // namespace twopass::stress

@@ -9,8 +9,8 @@ namespace {
 void expect_agreement(std::uint32_t seed) {
   const Agreement agreement = compare_integrators(seed);
   EXPECT_EQ(agreement.fault, "") << "seed " << seed;
-  EXPECT_TRUE(agreement.holds()) << "seed " << seed << ": twopass / path - 1 = " << agreement.difference << " +- "
-                                 << agreement.noise;
+  EXPECT_TRUE(agreement.holds()) << "seed " << seed << ": twopass / path - 1 = " << agreement.difference
+                                 << " +- " << agreement.noise;
   EXPECT_LT(agreement.path.cpu_seconds + agreement.two_pass.cpu_seconds, 20.0 * patience) << "seed " << seed;
 }
 

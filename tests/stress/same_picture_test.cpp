@@ -37,7 +37,8 @@ double share_that_differs(const Picture& a, const Picture& b, double factor) {
   return static_cast<double>(differing) / (0.75 * static_cast<double>(a.image.pixels.size()));
 }
 
-// Powers of two change no digit; others do: then elements are cut elsewhere, and paths that depend on them differ.
+// Powers of two change no digit; others do: then elements are cut elsewhere, and paths that depend on them
+// differ.
 TEST(SamePicture, InOtherUnitsOfLength) {
   for (const Way& way : all_integrators()) {
     const Picture unit = render(lit_room(), way);
@@ -50,7 +51,8 @@ TEST(SamePicture, InOtherUnitsOfLength) {
       if (std::frexp(factor, &exponent) == 0.5f) {
         EXPECT_EQ(unit.image.pixels, other.image.pixels);
       }
-      const double noise = way.integrator == IntegratorKind::unbiased ? 4.4 * std::hypot(unit.error, other.error) : 0.0;
+      const double noise =
+          way.integrator == IntegratorKind::unbiased ? 4.4 * std::hypot(unit.error, other.error) : 0.0;
       EXPECT_NEAR(other.mean, unit.mean, std::max(0.01 * unit.mean, noise));
     }
   }

@@ -16,8 +16,8 @@ inline Mesh quad(const V3f& p, const V3f& a, const V3f& b) {
 }
 
 /// Adds a shape of a one-sided diffuse material of its own.
-inline Shape& add_diffuse(SceneDescription& scene, std::string name, Geometry geometry,
-                          const C3f& reflectance, const C3f& radiance = C3f(0.0f)) {
+inline Shape& add_diffuse(SceneDescription& scene, std::string name, Geometry geometry, const C3f& reflectance,
+                          const C3f& radiance = C3f(0.0f)) {
   scene.materials.push_back(one_sided(name, Diffuse{reflectance}));
   Shape shape;
   shape.name = std::move(name);
@@ -79,8 +79,7 @@ inline SceneDescription furnished_room() {
   SceneDescription scene = unit_room(C3f(0.7f, 0.6f, 0.5f), C3f(0.0f), C3f(0.7f));
   add_diffuse(scene, "lamp", quad(V3f(0.35f, 0.35f, 0.999f), V3f(0, 0.3f, 0), V3f(0.3f, 0, 0)), C3f(0.0f),
               C3f(10.0f));
-  add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f),
-          one_sided("box", Diffuse{C3f(0.6f)}));
+  add_box(scene, "box", V3f(0.2f, 0.5f, 0.0f), V3f(0.45f, 0.75f, 0.4f), one_sided("box", Diffuse{C3f(0.6f)}));
   return scene;
 }
 
