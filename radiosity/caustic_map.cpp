@@ -128,14 +128,13 @@ class CausticMap::Builder {
   void mark_blocks(std::size_t k) const {
     const Level& level = map_.levels_[k];
     const V3f reach(1.01f * level.radius);
-    const auto number = [](float x) { return std::clamp(static_cast<int>(x), 0, blocks_of_an_edge - 1); };
     for (std::uint32_t i = 0; i < level.arrival.size(); ++i) {
       const V3f position = level.at(i);
       const V3f low = (position - reach - map_.origin_) * map_.blocks_a_unit_;
       const V3f high = (position + reach - map_.origin_) * map_.blocks_a_unit_;
-      for (int x = number(low.x); x <= number(high.x); ++x)
-        for (int y = number(low.y); y <= number(high.y); ++y)
-          for (int z = number(low.z); z <= number(high.z); ++z)
+      for (int x = nearest_block(low.x); x <= nearest_block(high.x); ++x)
+        for (int y = nearest_block(low.y); y <= nearest_block(high.y); ++y)
+          for (int z = nearest_block(low.z); z <= nearest_block(high.z); ++z)
             map_.levels_of_block_[block(x, y, z)] |= static_cast<std::uint8_t>(1u << k);
     }
   }

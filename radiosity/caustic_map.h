@@ -89,14 +89,14 @@ class CausticMap {
   static std::size_t block(int x, int y, int z) {
     return static_cast<std::size_t>((x * blocks_of_an_edge + y) * blocks_of_an_edge + z);
   }
+  // The nearest to a coordinate in blocks: points at the bounds may be rounded out of them.
+  static int nearest_block(float x) {
+    return x > 0.0f ? static_cast<int>(std::min(x, blocks_of_an_edge - 1.0f)) : 0;
+  }
   // Of a place in blocks.
   [[nodiscard]] unsigned levels_at(const V3f& place) const {
-    for (int axis = 0; axis < 3; ++axis)
-      if (!(place[axis] >= 0.0f && place[axis] <= blocks_of_an_edge)) return 0;
-    const auto number = [](float x) { return std::min(static_cast<int>(x), blocks_of_an_edge - 1); };
-    return levels_of_block_.empty()
-               ? 0u
-               : levels_of_block_[block(number(place.x), number(place.y), number(place.z))];
+    if (levels_of_block_.empty()) return 0;
+    return levels_of_block_[block(nearest_block(place.x), nearest_block(place.y), nearest_block(place.z))];
   }
 
   // Of cells numbered from 1 on, so that none has the key 0.
