@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <numeric>
 #include <optional>
 #include <unordered_map>
@@ -24,6 +25,8 @@ constexpr double whole = 0.999;
 constexpr double most_contrast = 2.0;
 // The most that parts of elements may receive from elements that are nearer than they resolve, of all light.
 constexpr double most_nearby = 0.3;
+// Rays from a vertex, beyond which the solution's own errors are what is left.
+constexpr double most_worth = 4096.0;
 // How often a cell is divided into four.
 constexpr int most_levels = 3;
 
@@ -135,12 +138,19 @@ class IndirectFieldBuilder {
     std::vector<std::uint32_t> places;
     for (std::uint32_t v = 0; v < count; ++v)
       if (gathers[v] && !hangs[v]) places.push_back(v);
+    most_rays_ = most_rays(places.size());
     gather(places, cells_);
     for (const VertexMesh::Hanging& h : vertices_.hanging())
       if (gathers[h.vertex])
         gathered_[h.vertex] = between(gathered_[h.from], gathered_[h.to], static_cast<double>(h.t));
     find_caustics();
     return wanted;
+  }
+
+  // From each of so many vertices.
+  [[nodiscard]] std::uint32_t most_rays(std::size_t vertices) const {
+    const double affordable = std::min(options_.affordable_rays / static_cast<double>(vertices), most_worth);
+    return std::max(options_.most_rays, std::bit_floor(static_cast<std::uint32_t>(affordable)));
   }
 
   // The vertices that see a caustic, and those that share a face with one: rays find caustics by chance, so
@@ -161,7 +171,8 @@ class IndirectFieldBuilder {
       throw_if_interrupted();
       std::uint64_t cast = 0;
       for (std::size_t i = begin; i < end; ++i)
-        gathered_[places[i]] = gathering_.at(places[i], around, fans, direct_brightness_[places[i]], cast);
+        gathered_[places[i]] =
+            gathering_.at(places[i], around, fans, direct_brightness_[places[i]], most_rays_, cast);
       rays += cast;
     });
     rays_ += rays;
@@ -337,6 +348,7 @@ class IndirectFieldBuilder {
   std::vector<double> direct_brightness_;  // of the light of lamps there
   std::vector<Gathered> gathered_;
   std::vector<bool> near_caustic_;
+  std::uint32_t most_rays_ = 0;  // from one
   // By cell: elements, then parts of them, four for each that is divided.
   std::vector<FieldCell> cells_;
   std::vector<Verdict> verdict_;

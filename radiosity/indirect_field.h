@@ -26,6 +26,8 @@ struct IndirectFieldOptions {
   /// Empty: none.
   std::vector<double> rays_there{};
   std::uint32_t least_rays = 64, most_rays = 512;
+  /// From all corners together: where it is more than `most_rays` from each, up to so many, and 4096.
+  double affordable_rays = 0.0;
   std::uint32_t seed = 0;
 };
 

@@ -77,10 +77,10 @@ bool Gathering::can_gather_at(std::uint32_t face) const {
 }
 
 template <class AddRay>
-Gathered Gathering::gather(double direct, const AddRay& add_ray) const {
+Gathered Gathering::gather(double direct, std::uint32_t most_rays, const AddRay& add_ray) const {
   Gathered sum;
   std::uint32_t k = 0;
-  for (std::uint32_t count = options_.least_rays; count <= options_.most_rays; count *= 2) {
+  for (std::uint32_t count = options_.least_rays; count <= most_rays; count *= 2) {
     for (; k < count; ++k) add_ray(k, sum);
     if (sum.noise() <= options_.noise * (direct + brightness(sum.mean()))) break;
   }
@@ -88,7 +88,7 @@ Gathered Gathering::gather(double direct, const AddRay& add_ray) const {
 }
 
 Gathered Gathering::at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans, double direct,
-                       std::uint64_t& rays) const {
+                       std::uint32_t most_rays, std::uint64_t& rays) const {
   std::vector<Start> starts;
   for (const auto& [cell, corner] : fans.of(vertex)) {
     const std::array<std::uint32_t, 3>& at = cells[cell].corner;
@@ -98,7 +98,7 @@ Gathered Gathering::at(std::uint32_t vertex, std::span<const FieldCell> cells, c
               near_corner));
   }
   if (starts.empty()) return {};
-  return gather(direct, [&](std::uint32_t k, Gathered& sum) {
+  return gather(direct, most_rays, [&](std::uint32_t k, Gathered& sum) {
     Sampler sampler(options_.seed, vertex, k);
     add_ray(starts[k % starts.size()], sampler, sum, rays);
   });
@@ -110,7 +110,7 @@ Gathered Gathering::in_the_middle(const FieldCell& cell, std::uint32_t key, doub
   const V3d middle = (part[0] + part[1] + part[2]) / 3.0;
   for (V3d& corner : part) corner = (corner + middle) * 0.5;
   const Start from = start(cell.face, part, 1.0f);
-  return gather(direct, [&](std::uint32_t k, Gathered& sum) {
+  return gather(direct, options_.most_rays, [&](std::uint32_t k, Gathered& sum) {
     Sampler sampler(~options_.seed, key, k);
     add_ray(from, sampler, sum, rays);
   });

@@ -70,9 +70,9 @@ class Gathering {
             const IndirectFieldOptions& options);
 
   /// (R39): rays from around a vertex, out of the cells that touch it, until their noise is small against all
-  /// the light there, of which `direct` is known.
+  /// the light there, of which `direct` is known, or there are `most_rays`.
   [[nodiscard]] Gathered at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans,
-                            double direct, std::uint64_t& rays) const;
+                            double direct, std::uint32_t most_rays, std::uint64_t& rays) const;
   /// The same from the inner quarter of a cell: of what is linear on it, the mean over its corners. `key`
   /// distinguishes it from others.
   [[nodiscard]] Gathered in_the_middle(const FieldCell& cell, std::uint32_t key, double direct,
@@ -87,7 +87,7 @@ class Gathering {
  private:
   struct Start;
   template <class AddRay>
-  [[nodiscard]] Gathered gather(double direct, const AddRay& add_ray) const;
+  [[nodiscard]] Gathered gather(double direct, std::uint32_t most_rays, const AddRay& add_ray) const;
   [[nodiscard]] bool can_gather_at(std::uint32_t face) const;
   [[nodiscard]] Start start(std::uint32_t face, const std::array<V3d, 3>& part, float reach) const;
   void add_ray(const Start& from, Sampler& sampler, Gathered& sum, std::uint64_t& rays) const;

@@ -104,6 +104,36 @@ TEST(IndirectField, HasTheIrradianceOfTheCube) {
   }
 }
 
+// A small bright patch is seen by few rays: with as many as a picture is worth, fields of different seeds
+// differ less.
+TEST(IndirectField, HasLessNoiseWhereMoreRaysAreWorthIt) {
+  SceneDescription description = test::unit_room(C3f(0.5f), C3f(0.0f), C3f(0.5f));
+  test::add_diffuse(description, "lamp", test::quad(V3f(0.4f, 0.4f, 0.97f), V3f(0.2f, 0, 0), V3f(0, 0.2f, 0)),
+                    C3f(0.0f), C3f(10.0f));
+  const Scene scene(std::move(description));
+  const Solution solution = solve(scene, 2000);
+  const auto field = [&](double rays, std::uint32_t seed) {
+    return IndirectField(scene, solution, {.direct_tolerance = 0.0, .affordable_rays = rays, .seed = seed});
+  };
+  const auto scatter = [&](double rays) {
+    const IndirectField a = field(rays, 1), b = field(rays, 2);
+    double squares = 0.0;
+    for (int k = 0; k < 100; ++k) {
+      const V3f direction(0.1f * static_cast<float>(k % 10) - 0.45f, 0.1f * static_cast<float>(k / 10) - 0.45f,
+                          -1.0f);
+      const SurfacePoint point = point_below(scene, V3f(0.5f), direction);
+      const float x = mean_component(a.indirect_at_any(point)), y = mean_component(b.indirect_at_any(point));
+      if (x + y > 0.0f) squares += std::pow(static_cast<double>((x - y) / (x + y)), 2.0);
+    }
+    return squares;
+  };
+  const auto usual = static_cast<double>(field(0.0, 1).rays()),
+             more = static_cast<double>(field(1e8, 1).rays());
+  EXPECT_GT(more, 2.0 * usual);
+  EXPECT_EQ(static_cast<double>(field(0.5 * usual, 1).rays()), usual);  // not fewer than usual
+  EXPECT_LT(scatter(1e8), 0.5 * scatter(0.0));
+}
+
 // Nothing may be spent on dividing cells, or as much as it takes: then more is trusted, and as well (R53).
 class IndirectFieldTest : public testing::TestWithParam<bool> {
  protected:

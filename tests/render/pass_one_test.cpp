@@ -139,6 +139,18 @@ TEST(PassOne, TheGuideIsForThePicturesRays) {
   EXPECT_GT(all, few);
 }
 
+TEST(PassOne, LongPicturesFindTheLightAtCornersWithMoreRays) {
+  const Room room;
+  const auto rays = [&](double picture_rays) {
+    PassOneJob job = room.job();
+    job.picture_rays = picture_rays;
+    job.radiosity.max_elements = 300;
+    return prepare_pass_one(std::move(job)).field->rays();
+  };
+  EXPECT_EQ(rays(0.0), rays(1e5));
+  EXPECT_GT(rays(1e10), rays(1e5));
+}
+
 TEST(PassOne, ShortPicturesShootFewerCausticParticles) {
   SceneDescription description = test::furnished_room();
   test::add_box(description, "mirror", V3f(0.6f, 0.2f, 0.0f), V3f(0.8f, 0.4f, 0.5f),
