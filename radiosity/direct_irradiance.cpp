@@ -16,6 +16,10 @@ namespace twopass {
 
 namespace {
 
+// Towards lamps, from all elements together: few elements must not miss what comes through a small opening, or
+// nothing would say that they are too few.
+constexpr std::size_t least_rays = 1u << 16;
+
 struct Emitter {
   Patch patch;
   Polygon polygon;
@@ -164,7 +168,9 @@ class AnalyticDirect {
   // catches a tenth of the light is that of the whole scene.
   [[nodiscard]] std::uint32_t pairs_for(double share) const {
     constexpr std::uint32_t most = 4096;
-    auto pairs = static_cast<std::uint32_t>(std::clamp<std::size_t>(64 / emitters_.size(), 4, 16));
+    const std::size_t usual = std::clamp<std::size_t>(64 / emitters_.size(), 4, 16);
+    auto pairs = static_cast<std::uint32_t>(
+        std::clamp<std::size_t>(least_rays / (mesh_.count() * emitters_.size()), usual, most));
     for (double part = share * static_cast<double>(mesh_.count()); part > 4.0 && pairs < most; part /= 4.0)
       pairs *= 4;
     return pairs;
@@ -202,7 +208,7 @@ class AnalyticDirect {
 C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMesh& mesh,
                        const DiffuseResponse& response, std::uint32_t seed, std::uint32_t element,
                        std::uint64_t& rays) {
-  constexpr std::uint32_t samples = 64;
+  const auto samples = static_cast<std::uint32_t>(std::clamp<std::size_t>(least_rays / mesh.count(), 64, 4096));
   const ElementSampler sample(mesh, element);
   C3d sum(0.0);
   for (std::uint32_t k = 0; k < samples; ++k) {
@@ -232,7 +238,7 @@ C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMe
                               (cosine_seen / (lights.pdf_w({start, normal, true}, direction, hit.t, seen) +
                                               cosine_hemisphere_pdf_w(cosine_seen))));
   }
-  return sum * (1.0 / samples);
+  return sum / static_cast<double>(samples);
 }
 
 // More emitters than can be evaluated, or analytic surfaces, or elements that are not seen as a whole.

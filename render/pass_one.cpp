@@ -74,11 +74,29 @@ GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, c
   return options;
 }
 
-// What is read of the solution.
+// Whether the picture is of elements, none of which receives any light, as far as the solution knows. Paths
+// need no more rays then, and find what it may have missed.
+bool looks_black(const Solution& solution, std::span<const double> parts) {
+  bool sees_elements = false;
+  for (std::uint32_t i = 0; i < parts.size(); ++i) {
+    if (!(parts[i] > 0.0)) continue;
+    sees_elements = true;
+    if (!is_black(solution.irradiances()[i].total())) return false;
+  }
+  return sees_elements;
+}
+
+// What is read of the solution; that is left out where it is no use.
 void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
   std::uint64_t rays = 0;
   std::vector<double> parts =
       parts_of(done.solution->mesh(), seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
+  if (looks_black(*done.solution, parts)) {
+    done.solution.reset();
+    done.caustics.reset();
+    done.left_out = "it finds no light where the picture looks";
+    return;
+  }
   const std::vector<bool> seen = seen_elements(parts);
   Stopwatch stopwatch;
   done.guide.reset();
@@ -267,6 +285,7 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
     const std::size_t before = done.solution->mesh().count();
     if (refinements-- > 0 && (goal.seconds <= 0.0 || 3.0 * spent.seconds <= goal.seconds) &&
         refine(job, *found, goal.most, *particles, done)) {
+      if (!done.solution) break;
       say(text + std::to_string(done.solution->mesh().count()) + " elements instead of " +
           std::to_string(before) + ", finer where paths found light that was not right");
     } else if (!done.gathers_twice) {
@@ -277,6 +296,7 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
       say(text + "paths are traced without pass one");
       PreparedPassOne paths;
       paths.solution_time = spent;
+      paths.left_out = "the picture would be biased by more than it may be";
       return paths;
     }
   }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "integrators/pass_one.h"
 #include "radiosity/caustic_map.h"
@@ -18,13 +19,14 @@
 
 namespace twopass {
 
-/// The results of pass one, and what each took. All are null where the plan skips the pass.
+/// The results of pass one, and what each took. All are null where the plan skips the pass, and where it was left out.
 struct PreparedPassOne {
   std::unique_ptr<const Solution> solution;  // on the heap: field and guide point into it
   std::unique_ptr<const IndirectField> field;
   std::unique_ptr<const Guide> guide;
   std::unique_ptr<const CausticMap> caustics;
   bool gathers_twice = false;
+  std::string left_out;  ///< why there is no solution, where the plan has one
   Elapsed solution_time, field_time, guide_time, caustics_time;
 
   [[nodiscard]] PassOne view() const {

@@ -70,7 +70,8 @@ PreparedPassOne run_pass_one(const Scene& scene, const Camera& camera, const Ren
                 : prepare_pass_one(std::move(job));
   if (plan.radiosity_pass && !done.solution) {
     statistics.radiosity_time = done.time();
-    plan.skipped.push_back({"radiosity pass", "the picture would be biased by more than it may be"});
+    plan.skipped.push_back({"radiosity pass", done.left_out});
+    console.note("radiosity pass: left out, because " + done.left_out);
   }
   if (!done.solution) return done;
   const RadiosityStats& stats = done.solution->stats();

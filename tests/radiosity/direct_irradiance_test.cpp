@@ -48,6 +48,26 @@ TEST(DirectIrradiance, ShadowsOfABoxAreWhereTheyBelong) {
     }
 }
 
+// A hole in the middle of a screen, and elements much larger than its image: all that comes through it is what
+// a point there receives, .55416 of the exitance (a unit square at half its width; Howell's B-3 four times),
+// times its area. About a hundred of 65,536 rays get through.
+TEST(DirectIrradiance, LightThroughASmallHoleIsFoundByFewElements) {
+  constexpr float half = 0.01f;
+  SceneDescription description = test::plates(1.0f, 0.5f);
+  const auto screen = [&](float x0, float y0, float x1, float y1) {
+    test::add_diffuse(description, "screen",
+                      test::quad(V3f(x0, y0, 0.5f), V3f(x1 - x0, 0, 0), V3f(0, y1 - y0, 0)), C3f(0.0f));
+  };
+  screen(-9, -9, 0.5f - half, 9);
+  screen(0.5f + half, -9, 9, 9);
+  screen(0.5f - half, -9, 0.5f + half, 0.5f - half);
+  screen(0.5f - half, 0.5f + half, 0.5f + half, 9);
+  const Scene scene(std::move(description));
+  const ElementMesh mesh = divide_surfaces(scene, 64);
+  constexpr double truth = 4.0 * half * half * 0.55416;
+  EXPECT_NEAR(power_on(mesh, direct_of(scene, mesh, FormFactorMethod::rays), 1) / truth, 1.0, 0.35);
+}
+
 TEST(DirectIrradiance, ManyEmittersAreSampledToTheSameAnswer) {
   SceneDescription description = test::plates(0.5f, 0.5f);
   Mesh fine;  // the lower plate in 128 triangles

@@ -116,6 +116,26 @@ TEST(PassOne, IsNotReadInADarkPlaceThatItsElementsCarryLightInto) {
   EXPECT_NE(room.said[0].find("where paths find hardly any"), std::string::npos);
 }
 
+// A solution that knows of no light where the picture looks has missed it, or there is none: paths need no more
+// rays.
+TEST(PassOne, IsLeftOutWhereItFindsNoLight) {
+  Room room;
+  const Solution right = solve_radiosity(room.scene, room.job().radiosity);
+  PassOneJob job = room.job();
+  job.solved.emplace(right.mesh(), std::vector<Irradiance>(right.mesh().count()), right.stats());
+  const PreparedPassOne black = room.prepare(std::move(job), {.rays = 1e5});
+  EXPECT_FALSE(black.solution);
+  EXPECT_FALSE(black.field);
+  EXPECT_NE(black.left_out.find("no light"), std::string::npos);
+  // One element that the picture sees is enough.
+  PassOneJob lit = room.job();
+  std::vector<Irradiance> irradiance(right.mesh().count());
+  for (std::uint32_t i = 0; i < irradiance.size(); ++i)
+    if (right.mesh().root(i).shape == 5) irradiance[i].direct = C3f(1.0f);
+  lit.solved.emplace(right.mesh(), irradiance, right.stats());
+  EXPECT_TRUE(prepare_pass_one(std::move(lit)).solution);
+}
+
 TEST(PassOne, TheGuideIsForThePicturesRays) {
   constexpr PixelWindow picture{{0, 0}, {100, 100}};
   EXPECT_DOUBLE_EQ(rays_of({16, 0.0, 0.0}, picture, 2), 16 * 3e4);
