@@ -142,8 +142,8 @@ Balance assemble_balance(const Scene& scene, ElementMesh& mesh, const RadiosityO
   mesh.expose(survey.exposed);
   for (std::uint32_t i = 0; i < mesh.count(); ++i) balance.area.push_back(mesh.area(i));
   balance.exchange = exchange_by(method, scene, mesh, survey, options, stats.rays);
-  DirectIrradiance direct =
-      direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed, stats.rays);
+  DirectIrradiance direct = direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed,
+                                              stats.rays, options.least_direct_rays);
   const Enforcement enforcement(survey, balance.area, method);
   enforcement.apply(balance.exchange, enforcement.sums(direct.exchange_with_lamps), stats);
 
@@ -165,8 +165,8 @@ FirstLight find_first_light(const Scene& scene, ElementMesh& mesh, const Radiosi
   stats.rays += survey.rays;
   stats.closed = survey.is_closed();
   mesh.expose(survey.exposed);
-  DirectIrradiance direct =
-      direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed, stats.rays);
+  DirectIrradiance direct = direct_irradiance(scene, mesh, method, survey.sees_only_elements(), options.seed,
+                                              stats.rays, options.least_direct_rays);
   FirstLight light;
   light.direct = std::move(direct.irradiance);
   add_sky_and_caustics(light.direct, mesh, survey, caustics);

@@ -16,10 +16,6 @@ namespace twopass {
 
 namespace {
 
-// Towards lamps, from all elements together: few elements must not miss what comes through a small opening, or
-// nothing would say that they are too few.
-constexpr std::size_t least_rays = 1u << 16;
-
 struct Emitter {
   Patch patch;
   Polygon polygon;
@@ -70,10 +66,12 @@ double unoccluded_exchange_with(const Patch& patch, const Emitter& emitter, Form
 
 class AnalyticDirect {
  public:
-  AnalyticDirect(const Scene& scene, const ElementMesh& mesh, std::vector<Emitter> emitters)
+  AnalyticDirect(const Scene& scene, const ElementMesh& mesh, std::vector<Emitter> emitters,
+                 std::size_t least_rays)
       : scene_(scene),
         mesh_(mesh),
         emitters_(std::move(emitters)),
+        least_rays_(least_rays),
         exchange_(mesh.count() * emitters_.size()) {}
 
   void find_exchange(FormFactorMethod method, std::uint32_t seed, std::uint64_t& rays) {
@@ -170,7 +168,7 @@ class AnalyticDirect {
     constexpr std::uint32_t most = 4096;
     const std::size_t usual = std::clamp<std::size_t>(64 / emitters_.size(), 4, 16);
     auto pairs = static_cast<std::uint32_t>(
-        std::clamp<std::size_t>(least_rays / (mesh_.count() * emitters_.size()), usual, most));
+        std::clamp<std::size_t>(least_rays_ / (mesh_.count() * emitters_.size()), usual, most));
     for (double part = share * static_cast<double>(mesh_.count()); part > 4.0 && pairs < most; part /= 4.0)
       pairs *= 4;
     return pairs;
@@ -200,15 +198,15 @@ class AnalyticDirect {
   const Scene& scene_;
   const ElementMesh& mesh_;
   std::vector<Emitter> emitters_;
+  std::size_t least_rays_;        // of all elements together
   std::vector<double> exchange_;  // by element, then emitter
 };
 
 // Half of the samples on the lights, half of the directions cosine-distributed, combined by the balance
 // heuristic (Veach 1997, section 9.2.2): neither small nor huge nor touching lights are a problem.
 C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMesh& mesh,
-                       const DiffuseResponse& response, std::uint32_t seed, std::uint32_t element,
-                       std::uint64_t& rays) {
-  const auto samples = static_cast<std::uint32_t>(std::clamp<std::size_t>(least_rays / mesh.count(), 64, 4096));
+                       const DiffuseResponse& response, std::uint32_t samples, std::uint32_t seed,
+                       std::uint32_t element, std::uint64_t& rays) {
   const ElementSampler sample(mesh, element);
   C3d sum(0.0);
   for (std::uint32_t k = 0; k < samples; ++k) {
@@ -243,10 +241,12 @@ C3d sampled_irradiance(const Scene& scene, const Lights& lights, const ElementMe
 
 // More emitters than can be evaluated, or analytic surfaces, or elements that are not seen as a whole.
 std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
-                                    const ElementResponse& response, std::uint32_t seed, std::uint64_t& rays) {
+                                    const ElementResponse& response, std::size_t least_rays, std::uint32_t seed,
+                                    std::uint64_t& rays) {
   std::vector<C3d> irradiance(mesh.count(), C3d(0.0));
   const Lights lights(scene.shapes());  // without the sky
-  if (lights.empty()) return irradiance;
+  if (lights.empty() || mesh.count() == 0) return irradiance;
+  const auto samples = static_cast<std::uint32_t>(std::clamp<std::size_t>(least_rays / mesh.count(), 64, 4096));
   std::atomic<std::uint64_t> rays_cast{0};
   parallel_for(mesh.count(), 32, [&](std::size_t begin, std::size_t end) {
     throw_if_interrupted();
@@ -254,7 +254,7 @@ std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       if (!(mesh.area(i) > 0.0)) continue;
       // Buried points receive nothing: the exposed ones have it all.
-      irradiance[i] = sampled_irradiance(scene, lights, mesh, response.of(i), seed, i, own_rays) *
+      irradiance[i] = sampled_irradiance(scene, lights, mesh, response.of(i), samples, seed, i, own_rays) *
                       (mesh.whole_area(i) / mesh.area(i));
     }
     rays_cast += own_rays;
@@ -264,13 +264,13 @@ std::vector<C3d> sampled_irradiance(const Scene& scene, const ElementMesh& mesh,
 }
 
 DirectIrradiance from_emitters(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
-                               bool conserve, const ElementResponse& response, std::uint32_t seed,
-                               std::uint64_t& rays) {
+                               bool conserve, const ElementResponse& response, std::size_t least_rays,
+                               std::uint32_t seed, std::uint64_t& rays) {
   // Lambert's formula is for whole elements.
   std::vector<Emitter> emitters;
   if (mesh.weights().empty()) emitters = analytic_emitters(scene, mesh);
-  if (emitters.empty()) return {sampled_irradiance(scene, mesh, response, seed, rays), {}};
-  AnalyticDirect analytic(scene, mesh, std::move(emitters));
+  if (emitters.empty()) return {sampled_irradiance(scene, mesh, response, least_rays, seed, rays), {}};
+  AnalyticDirect analytic(scene, mesh, std::move(emitters), least_rays);
   analytic.find_exchange(method, seed, rays);
   if (conserve) analytic.conserve();
   return analytic.result(response, seed);
@@ -279,9 +279,10 @@ DirectIrradiance from_emitters(const Scene& scene, const ElementMesh& mesh, Form
 }  // namespace
 
 DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
-                                   bool conserve, std::uint32_t seed, std::uint64_t& rays) {
+                                   bool conserve, std::uint32_t seed, std::uint64_t& rays,
+                                   std::size_t least_rays) {
   const ElementResponse response(scene, mesh);
-  DirectIrradiance direct = from_emitters(scene, mesh, method, conserve, response, seed, rays);
+  DirectIrradiance direct = from_emitters(scene, mesh, method, conserve, response, least_rays, seed, rays);
   const std::vector<C3d> punctual = punctual_irradiance(scene, mesh, response, seed, rays);
   for (std::size_t i = 0; i < mesh.count(); ++i) direct.irradiance[i] += punctual[i];
   return direct;

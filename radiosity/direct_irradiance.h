@@ -20,9 +20,11 @@ struct DirectIrradiance {
 /// emitters are not divided. More of them, or analytic surfaces: sampled points on the lights and sampled
 /// directions, combined by the balance heuristic. Punctual lights: `punctual_irradiance`. `conserve`: scale the
 /// factors of each emitter so that all of its power arrives; for closed scenes in which every side is an
-/// element. `rays` is increased.
+/// element. `rays` is increased. `least_rays`: towards emitters, of all elements together, where they are so
+/// few that what is usual is less (16 shadow rays each, or 64 samples).
 DirectIrradiance direct_irradiance(const Scene& scene, const ElementMesh& mesh, FormFactorMethod method,
-                                   bool conserve, std::uint32_t seed, std::uint64_t& rays);
+                                   bool conserve, std::uint32_t seed, std::uint64_t& rays,
+                                   std::size_t least_rays = 0);
 
 inline constexpr std::size_t most_analytic_emitters = 16;
 

@@ -83,6 +83,8 @@ struct RadiosityOptions {
   /// Most elements of such a picture by the time that it may take; 0: as many as it needs. Where that is fewer
   /// than 2048, or than one for eight sides of triangles, there are so many.
   std::size_t affordable_elements = 0;
+  /// Towards lamps, from all elements together (DirectIrradiance).
+  std::size_t least_direct_rays = 0;
   /// How often the number of elements that the program chooses for such a picture is quadrupled.
   int refinement = 0;
   /// Camera rays, evenly over that picture: adaptive subdivision looks at what they see as well as at where the

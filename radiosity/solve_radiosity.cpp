@@ -29,6 +29,8 @@ constexpr std::uint32_t rays_of_a_gathered_element = 64;
 // show where the light changes, with so many rays an element.
 constexpr std::size_t coarse_part = 8;
 constexpr std::uint32_t pilot_rays = 32;
+// Few elements must not miss what comes through a small opening, or nothing would say that they are too few.
+constexpr std::size_t pilot_direct_rays = 1u << 16;
 // Rays an element of the solver `stochastic` before it looks at its noise.
 constexpr double first_stochastic_rays = 16.0;
 // The part of the error that the iteration may use up.
@@ -241,6 +243,7 @@ ElementMesh refine_adaptively(const Scene& scene, ElementMesh mesh, const Radios
                               const Choice& choice, const CausticParticles& caustics, RadiosityStats& stats) {
   RadiosityOptions pilot = options;
   if (pilot.rays_per_element == 0) pilot.rays_per_element = pilot_rays;
+  pilot.least_direct_rays = pilot_direct_rays;
   const Choice pilot_choice{choice.method, Solver::automatic, choice.max_elements, true, false};
   const std::vector<SurfacePoint> seen = seen_points(scene, options.view, options.seed, stats.rays);
   while (mesh.count() + 3 <= choice.max_elements) {
