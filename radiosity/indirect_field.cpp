@@ -149,6 +149,7 @@ class IndirectFieldBuilder {
 
   // From each of so many vertices.
   [[nodiscard]] std::uint32_t most_rays(std::size_t vertices) const {
+    if (vertices == 0) return options_.most_rays;
     const double affordable = std::min(options_.affordable_rays / static_cast<double>(vertices), most_worth);
     return std::max(options_.most_rays, std::bit_floor(static_cast<std::uint32_t>(affordable)));
   }
