@@ -265,7 +265,7 @@ class IndirectFieldBuilder {
     std::vector<std::uint32_t> fresh;
     for (const std::uint32_t c : pending) {
       if (verdict_[c] != Verdict::too_coarse || options_.rays_there.empty()) continue;
-      if (options_.rays_there[cells_[c].face] < rays_of_division * std::pow(4.0, level)) continue;
+      if (options_.rays_there[cells_[c].face] < rays_of_division() * std::pow(4.0, level)) continue;
       field_.child_[c] = static_cast<std::uint32_t>(cells_.size());
       const auto [face, corner] = cells_[c];
       std::array<std::uint32_t, 3> middle;  // of the edges from each corner to the next
@@ -335,9 +335,9 @@ class IndirectFieldBuilder {
     }
   }
 
-  // A division has to be worth so many rays: it costs those of a vertex and a half and of four middles, some
-  // thousands, and saves a part of the rays that start there.
-  static constexpr double rays_of_division = 32000.0;
+  // So many rays a division has to be worth: eleven times those of a vertex and a half and of four middles, for
+  // it saves only a part of the rays that start there, and what it makes may not be trusted either.
+  [[nodiscard]] double rays_of_division() const { return 11.0 * (1.5 * most_rays_ + 4.0 * options_.most_rays); }
 
   const Solution& solution_;
   const ElementMesh& mesh_;

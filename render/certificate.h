@@ -29,7 +29,7 @@ struct Certificate {
   double mean = 0.0;  ///< the estimate; infinite where the estimate of the truth is not above 0
   double ci95 = 0.0;  ///< half width of its 95 % interval; infinite with `mean`
   std::uint64_t samples = 0;
-  RayCounts counts;
+  RayCounts counts;  ///< of both, and of a guide that was made for it
   /// Sums over the samples of independent batches.
   struct Batch {
     double biased = 0.0, unbiased = 0.0;

@@ -12,15 +12,14 @@ namespace twopass {
 
 namespace {
 
-// A guide costs about this many rays: where fewer are to be cast, it would only cost.
-constexpr double rays_of_guide = 1e6;
-
 // Of the time that a picture may take, and what pass one costs for each element, look-ups included: measured in
 // the scenes of scenes/ (130 to 250 microseconds of CPU).
 constexpr double share_of_pass_one = 0.15, seconds_of_an_element = 2e-4;
 // Of the rays that a picture is worth, those that find the light at corners of elements: fewer show as blotches
 // in pictures that have less noise, more cost more than they save (measured at 16 spp, radiosity, R39).
 constexpr double share_of_corners = 0.0025;
+// Of a guide.
+constexpr double rays_of_a_cell = Guide::rows * Guide::columns;
 // Of a thread, of CPU time.
 constexpr double rays_a_second = 5e6;
 
@@ -55,7 +54,6 @@ std::vector<bool> seen_elements(std::span<const double> parts) {
 // first direction is gathered.
 GuideOptions guide_options(const PassOneJob& job, const PreparedPassOne& done, const std::vector<bool>& seen) {
   constexpr std::size_t least_cells = 64;
-  constexpr double rays_of_a_cell = Guide::rows * Guide::columns;
   GuideOptions options;
   options.seed = job.radiosity.seed;
   if (job.integrator == IntegratorKind::two_pass) options.max_cells = 4096;
@@ -214,11 +212,19 @@ PictureGoal picture_goal(const SamplingGoal& sampling, const PixelWindow& window
                    .cpu_seconds = sampling.seconds * threads,
                    .relative_error = sampling.relative_error};
   const double e = sampling.relative_error;
-  if (!probe || (sampling.samples_per_pixel == 0 && !(e > 0.0))) return goal;
+  if (!probe) return goal;
+  const double pixels = static_cast<double>(window.size.x) * window.size.y;
+  double samples = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel : infinity_f;
+  if (sampling.seconds > 0.0)
+    samples = std::min(samples, goal.cpu_seconds * rays_a_second / (probe->rays_without * pixels));
+  // Only finer than usual: what short pictures may have is a question of time.
+  if (!(e > 0.0) && std::isfinite(samples))
+    goal.relative_error = std::min(RadiosityOptions{}.picture_error, probe->error_of(samples));
+  if (sampling.samples_per_pixel == 0 && !(e > 0.0)) return goal;
   double paths = sampling.samples_per_pixel > 0 ? sampling.samples_per_pixel * probe->paths_of_a_sample()
                                                 : std::numeric_limits<double>::infinity();
   if (e > 0.0) paths = std::min(paths, probe->variance / (e * e));
-  goal.rays = paths * probe->rays * window.size.x * window.size.y;
+  goal.rays = paths * probe->rays * pixels;
   const double seconds = goal.rays / rays_a_second;
   if (!(goal.cpu_seconds > 0.0)) goal.cpu_seconds = seconds;
   goal.cpu_seconds = std::min(goal.cpu_seconds, seconds);
@@ -304,25 +310,35 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
 }
 
 std::optional<Certificate> certify_picture(const CertifiedPicture& picture) {
-  const double rays = certificate_share * static_cast<double>(picture.counts.rays + picture.counts.shadow_rays);
+  constexpr double share_of_guide = 0.3;
+  constexpr std::size_t least_cells = 512;
+  double rays = certificate_share * static_cast<double>(picture.counts.rays + picture.counts.shadow_rays);
   PassOne pass_one = picture.pass_one.view();
+  // The guide of a two-pass picture is only for where it gathers: paths have their own, as fine as they are
+  // many.
   std::optional<Guide> own;
-  // What a two-pass picture has is only for where it gathers.
-  if (rays > 2.0 * rays_of_guide) pass_one.guide = &own.emplace(picture.scene, *pass_one.solution);
+  GuideOptions guide;
+  guide.max_cells = std::min(guide.max_cells, static_cast<std::size_t>(share_of_guide * rays / rays_of_a_cell));
+  if (guide.max_cells >= least_cells) {
+    pass_one.guide = &own.emplace(picture.scene, *pass_one.solution, guide);
+    rays -= static_cast<double>(own->rays());
+  }
   // What clamps do to the picture is part of its bias.
   PathLimits limits = picture.limits;
   limits.clamp_direct = limits.clamp_indirect = infinity_f;
   const std::unique_ptr<Integrator> truth =
       make_integrator(IntegratorKind::unbiased, picture.scene, pass_one, limits);
-  const std::optional<Certificate> found = certify({.biased = picture.integrator,
-                                                    .unbiased = *truth,
-                                                    .camera = picture.camera,
-                                                    .width = picture.window.size.x,
-                                                    .height = picture.window.size.y,
-                                                    .corner = picture.window.corner,
-                                                    .seed = picture.seed,
-                                                    .most_rays = rays});
-  return found && std::isfinite(found->mean) ? found : std::nullopt;
+  std::optional<Certificate> found = certify({.biased = picture.integrator,
+                                              .unbiased = *truth,
+                                              .camera = picture.camera,
+                                              .width = picture.window.size.x,
+                                              .height = picture.window.size.y,
+                                              .corner = picture.window.corner,
+                                              .seed = picture.seed,
+                                              .most_rays = rays});
+  if (!found || !std::isfinite(found->mean)) return std::nullopt;
+  if (own) found->counts.rays += own->rays();
+  return found;
 }
 
 }  // namespace twopass

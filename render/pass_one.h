@@ -72,7 +72,7 @@ BiasGoal bias_goal(const SamplingGoal& sampling, const PixelWindow& window, int 
 struct PictureGoal {
   double rays = 0.0;            ///< that the picture is worth, of all kinds
   double cpu_seconds = 0.0;     ///< that it may take
-  double relative_error = 0.0;  ///< that it may have
+  double relative_error = 0.0;  ///< that it may have, or will have
 };
 /// The goal of a picture that is rendered until `sampling` is met. It is worth the rays that paths would take
 /// to be as good without pass one, and may take that long, as far as a look at the view can foretell that, or

@@ -1,12 +1,14 @@
 #include "render/view_probe.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "integrators/path.h"
 #include "integrators/trace.h"
 #include "radiosity/solution.h"
 #include "render/core/parallel.h"
+#include "render/image/compare.h"
 
 namespace twopass {
 
@@ -51,8 +53,8 @@ struct Look {
   double mean = 0.0, variance = 0.0, rays = 0.0;  // of a path
 };
 
-// Half of the mean squared difference between two samples of the same ray is their variance. `surroundings`:
-// their mean radiance; 0: this look's own.
+// Half of the mean squared difference between two samples of the same ray is their variance, here relative to
+// the surroundings as relMSE is. `surroundings`: their mean radiance; 0: this look's own.
 Look look(const Integrator& integrator, const std::vector<PathSample>& samples, double surroundings) {
   std::vector<PathSample> first = samples, second;
   for (const PathSample& sample : samples) {
@@ -74,6 +76,7 @@ Look look(const Integrator& integrator, const std::vector<PathSample>& samples, 
                               std::min(mean_component(second[i].seen.radiance) / unit, brightest);
     result.variance += 0.5 * difference * difference / n;
   }
+  result.variance *= unit * unit / (unit * unit + relmse_epsilon);
   return result;
 }
 
@@ -118,6 +121,10 @@ double ViewProbe::gain() const {
 double ViewProbe::paths_of_a_sample() const {
   const double left = variance_left(*this, variance_of_looking_up);
   return left > 0.0 ? variance / left : 1.0;
+}
+
+double ViewProbe::error_of(double samples) const {
+  return std::sqrt(variance_left(*this, variance_of_looking_up) / samples);
 }
 
 ViewProbe probe_view(const Scene& scene, const Camera& camera, const PixelWindow& window,

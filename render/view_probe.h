@@ -12,7 +12,7 @@ namespace twopass {
 
 /// What few samples of a picture say.
 struct ViewProbe {
-  double variance = 0.0;  ///< of a path's radiance over that of its surroundings in the picture
+  double variance = 0.0;  ///< of a path's radiance, relative to its surroundings in the picture as in relMSE
   double rays = 0.0;      ///< of a path, of all kinds
   /// The same of paths that end where a solution would be read, as if it were black: what pass one leaves to be
   /// found.
@@ -24,6 +24,8 @@ struct ViewProbe {
   /// How many paths are as good as one sample of two passes that looks most of the solution's light up: of its
   /// variance a twentieth is left.
   [[nodiscard]] double paths_of_a_sample() const;
+  /// The relative error of a picture by two passes with so many samples a pixel, likewise.
+  [[nodiscard]] double error_of(double samples) const;
 };
 
 /// 2048 pairs of paths, spread over 8x8 parts of the picture. Deterministic. `caustics_known`: pass one brings

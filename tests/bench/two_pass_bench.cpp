@@ -246,7 +246,7 @@ Row measure(const Subject& subject, const Reference& reference, IntegratorKind k
     if (options.fixed_samples.empty() && e1 <= options.goal) break;
   }
   double samples = samples_to(options.goal, n0, e0, n1, e1);
-  if (kind == IntegratorKind::path && n1 < options.reference_samples) {
+  if (kind == IntegratorKind::path && !options.by_noise && n1 < options.reference_samples) {
     // The halves of the reference are such pictures, too.
     const double power = std::log(e1 / reference.relmse()) / std::log(options.reference_samples / n1);
     samples = n1 * std::pow(e1 / options.goal, 1.0 / std::clamp(power, 0.5, 1.5));

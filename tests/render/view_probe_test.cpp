@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "render/pass_one.h"
+#include "render/render_image.h"
 #include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 
@@ -53,6 +54,28 @@ TEST(ViewProbe, ARoomGainsByPassOne) {
   EXPECT_GT(probe_view(view.scene, view.camera, window, {}, 0).gain(), 2.0);
   EXPECT_TRUE(view.plan().radiosity_pass);
   EXPECT_TRUE(view.plan().skipped.empty());
+}
+
+// In the measure of a picture's noise, so that it foretells how many samples that will need: where it is dark,
+// less.
+TEST(ViewProbe, ItsVarianceIsThatOfAPicture) {
+  for (const float brightness : {1.0f, 0.03f}) {
+    SceneDescription description = test::furnished_room();
+    for (Shape& shape : description.shapes)
+      for (C3f& radiance : shape.radiance) radiance *= brightness;
+    const View view{std::move(description), {0.5, 0.05, 0.5}, {0.5, 1.0, 0.4}};
+    Film film(window.size.x, window.size.y);
+    const auto path = make_integrator(IntegratorKind::path, view.scene, {}, {});
+    render_image({.integrator = *path, .camera = view.camera, .filter = box_filter(), .goal = {256, 0.0, 0.0}},
+                 film);
+    const double expected = 256.0 * film.noise().relmse;
+    const ViewProbe probe = probe_view(view.scene, view.camera, window, {}, 0);
+    EXPECT_GT(probe.variance, 0.5 * expected) << brightness;
+    EXPECT_LT(probe.variance, 2.0 * expected) << brightness;
+    EXPECT_NEAR(probe.error_of(400.0),
+                0.05 * std::sqrt(probe.variance_without + 0.05 * (probe.variance - probe.variance_without)),
+                1e-6);
+  }
 }
 
 TEST(ViewProbe, PassOneIsSkippedWhereTheViewGainsTooLittleByIt) {
