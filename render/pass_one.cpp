@@ -186,6 +186,35 @@ bool refine(const PassOneJob& job, const Certificate& found, double most_bias,
   return true;
 }
 
+// What two passes are judged by, with so many rays for all of it.
+class Truth {
+ public:
+  // The guide of a two-pass picture is only for where it gathers: paths have their own, as fine as they are
+  // many. What clamps do to the picture is part of its bias. REQUIRES: there is a solution; all outlive this.
+  Truth(const Scene& scene, const PreparedPassOne& pass_one, PathLimits limits, double rays) : rays_(rays) {
+    constexpr double share_of_guide = 0.3;
+    constexpr std::size_t least_cells = 512;
+    PassOne view = pass_one.view();
+    GuideOptions options;
+    options.max_cells =
+        std::min(options.max_cells, static_cast<std::size_t>(share_of_guide * rays / rays_of_a_cell));
+    if (options.max_cells >= least_cells) view.guide = &guide_.emplace(scene, *pass_one.solution, options);
+    limits.clamp_direct = limits.clamp_indirect = infinity_f;
+    integrator_ = make_integrator(IntegratorKind::unbiased, scene, view, limits);
+  }
+  Truth(const Truth&) = delete;
+  Truth& operator=(const Truth&) = delete;
+
+  [[nodiscard]] const Integrator& integrator() const { return *integrator_; }
+  [[nodiscard]] std::uint64_t rays_spent() const { return guide_ ? guide_->rays() : 0; }
+  [[nodiscard]] double rays_left() const { return rays_ - static_cast<double>(rays_spent()); }
+
+ private:
+  double rays_;
+  std::optional<Guide> guide_;
+  std::unique_ptr<const Integrator> integrator_;
+};
+
 }  // namespace
 
 RadiosityOptions radiosity_options(IntegratorKind integrator, const PathLimits& limits, const Camera& camera,
@@ -271,18 +300,16 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
                                   .picture_rays = job.picture_rays},
                                  particles);
   for (std::uint32_t round = 0; done.solution; ++round) {
-    PathLimits unclamped = limits;
-    unclamped.clamp_direct = unclamped.clamp_indirect = infinity_f;
     const auto biased = make_integrator(IntegratorKind::two_pass, job.scene, done.view(), limits);
-    const auto truth = make_integrator(IntegratorKind::unbiased, job.scene, done.view(), unclamped);
+    const Truth truth(job.scene, done, limits, goal.rays);
     const std::optional<Certificate> found = certify({.biased = *biased,
-                                                      .unbiased = *truth,
+                                                      .unbiased = truth.integrator(),
                                                       .camera = camera,
                                                       .width = window.size.x,
                                                       .height = window.size.y,
                                                       .corner = window.corner,
                                                       .seed = job.radiosity.seed + own_seeds * (round + 1),
-                                                      .most_rays = goal.rays,
+                                                      .most_rays = truth.rays_left(),
                                                       .close_enough = 0.3 * goal.most,
                                                       .elements = done.solution->mesh().count()});
     if (!found || !found->is_certainly_beyond(goal.most)) return done;
@@ -310,34 +337,18 @@ PreparedPassOne prepare_within_bias(PassOneJob job, const Camera& camera, const 
 }
 
 std::optional<Certificate> certify_picture(const CertifiedPicture& picture) {
-  constexpr double share_of_guide = 0.3;
-  constexpr std::size_t least_cells = 512;
-  double rays = certificate_share * static_cast<double>(picture.counts.rays + picture.counts.shadow_rays);
-  PassOne pass_one = picture.pass_one.view();
-  // The guide of a two-pass picture is only for where it gathers: paths have their own, as fine as they are
-  // many.
-  std::optional<Guide> own;
-  GuideOptions guide;
-  guide.max_cells = std::min(guide.max_cells, static_cast<std::size_t>(share_of_guide * rays / rays_of_a_cell));
-  if (guide.max_cells >= least_cells) {
-    pass_one.guide = &own.emplace(picture.scene, *pass_one.solution, guide);
-    rays -= static_cast<double>(own->rays());
-  }
-  // What clamps do to the picture is part of its bias.
-  PathLimits limits = picture.limits;
-  limits.clamp_direct = limits.clamp_indirect = infinity_f;
-  const std::unique_ptr<Integrator> truth =
-      make_integrator(IntegratorKind::unbiased, picture.scene, pass_one, limits);
+  const Truth truth(picture.scene, picture.pass_one, picture.limits,
+                    certificate_share * static_cast<double>(picture.counts.rays + picture.counts.shadow_rays));
   std::optional<Certificate> found = certify({.biased = picture.integrator,
-                                              .unbiased = *truth,
+                                              .unbiased = truth.integrator(),
                                               .camera = picture.camera,
                                               .width = picture.window.size.x,
                                               .height = picture.window.size.y,
                                               .corner = picture.window.corner,
                                               .seed = picture.seed,
-                                              .most_rays = rays});
+                                              .most_rays = truth.rays_left()});
   if (!found || !std::isfinite(found->mean)) return std::nullopt;
-  if (own) found->counts.rays += own->rays();
+  found->counts.rays += truth.rays_spent();
   return found;
 }
 
