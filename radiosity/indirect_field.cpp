@@ -139,12 +139,34 @@ class IndirectFieldBuilder {
     for (std::uint32_t v = 0; v < count; ++v)
       if (gathers[v] && !hangs[v]) places.push_back(v);
     most_rays_ = most_rays(places.size());
+    add_shares(cells_, 0);
+    double all = 0.0;
+    for (const std::uint32_t v : places) all += share_[v];
+    usual_share_ = all / static_cast<double>(std::max<std::size_t>(places.size(), 1));
     gather(places, cells_);
     for (const VertexMesh::Hanging& h : vertices_.hanging())
       if (gathers[h.vertex])
         gathered_[h.vertex] = between(gathered_[h.from], gathered_[h.to], static_cast<double>(h.t));
     find_caustics();
     return wanted;
+  }
+
+  // What part of the picture depends on a vertex.
+  void add_shares(std::span<const FieldCell> cells, int level) {
+    share_.resize(position_.size(), 0.0);
+    if (options_.rays_there.empty()) return;
+    for (const FieldCell& cell : cells)
+      for (const std::uint32_t v : cell.corner)
+        share_[v] += options_.rays_there[cell.face] / (3.0 * std::pow(4.0, level));
+  }
+
+  // (R55)
+  [[nodiscard]] std::uint32_t most_rays_from(std::uint32_t v) const {
+    if (!(usual_share_ > 0.0)) return most_rays_;
+    const double rays = most_rays_ * std::sqrt(share_[v] / usual_share_);
+    return std::bit_floor(static_cast<std::uint32_t>(
+        std::clamp(rays, static_cast<double>(std::min(options_.least_rays, most_rays_)),
+                   std::max(most_worth, static_cast<double>(most_rays_)))));
   }
 
   // From each of so many vertices.
@@ -172,8 +194,8 @@ class IndirectFieldBuilder {
       throw_if_interrupted();
       std::uint64_t cast = 0;
       for (std::size_t i = begin; i < end; ++i)
-        gathered_[places[i]] =
-            gathering_.at(places[i], around, fans, direct_brightness_[places[i]], most_rays_, cast);
+        gathered_[places[i]] = gathering_.at(places[i], around, fans, direct_brightness_[places[i]],
+                                             most_rays_from(places[i]), most_rays_, cast);
       rays += cast;
     });
     rays_ += rays;
@@ -199,6 +221,8 @@ class IndirectFieldBuilder {
     verdict_[c] = verdict_of(c, rays);
     const bool is_trusted = verdict_[c] == Verdict::trusted;
     const auto direct = options_.with_direct && lamps_.is_known() ? direct_of(c) : std::nullopt;
+    field_.is_gathered_[c] = std::ranges::all_of(
+        cell.corner, [&](std::uint32_t v) { return gathered_[v].rays > 0 && !near_caustic_[v]; });
     if (is_trusted) field_.known_[c] = direct ? Known::all : Known::indirect;
     if (!is_trusted && direct && is_black(*direct)) field_.known_[c] = Known::no_direct;
     if (!is_trusted || !direct) return;
@@ -277,6 +301,7 @@ class IndirectFieldBuilder {
       grow();
     }
     const auto made = std::span(cells_).subspan(first);
+    add_shares(made, level + 1);
     gather(fresh, made);
     for (const std::uint32_t v : fresh) near_caustic_[v] = gathered_[v].sees_caustic(direct_brightness_[v]);
     std::vector<std::uint32_t> divided(made.size());
@@ -311,6 +336,7 @@ class IndirectFieldBuilder {
     field_.direct_.resize(cells_.size(), black);
     field_.across_.resize(cells_.size(), {black, black, black});
     field_.known_.resize(cells_.size(), Known::nothing);
+    field_.is_gathered_.resize(cells_.size(), 0);
     field_.child_.resize(cells_.size(), 0);
     verdict_.resize(cells_.size(), Verdict::unknown);
   }
@@ -349,7 +375,9 @@ class IndirectFieldBuilder {
   std::vector<double> direct_brightness_;  // of the light of lamps there
   std::vector<Gathered> gathered_;
   std::vector<bool> near_caustic_;
-  std::uint32_t most_rays_ = 0;  // from one
+  std::vector<double> share_;
+  double usual_share_ = 0.0;     // their mean
+  std::uint32_t most_rays_ = 0;  // from one that has this
   // By cell: elements, then parts of them, four for each that is divided.
   std::vector<FieldCell> cells_;
   std::vector<Verdict> verdict_;

@@ -2,6 +2,8 @@
 // judgement where that is enough.
 #pragma once
 
+#include <optional>
+
 #include "radiosity/solution.h"
 
 namespace twopass {
@@ -22,10 +24,10 @@ struct IndirectFieldOptions {
   bool without_caustics = false;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
-  /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53).
-  /// Empty: none.
+  /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53), in
+  /// proportion to the part of the picture that looks there (R55). Empty: none, and all look alike.
   std::vector<double> rays_there{};
-  std::uint32_t least_rays = 64, most_rays = 512;
+  std::uint32_t least_rays = 64, most_rays = 512;  ///< the most from a corner that is looked at like others
   /// From all corners together: where it is more than `most_rays` from each, up to so many, and 4096.
   double affordable_rays = 0.0;
   std::uint32_t seed = 0;
@@ -62,6 +64,17 @@ class IndirectField {
     LookUp found{known_[place.cell]};
     if (found.known >= Known::indirect) found.irradiance = interpolated(value_[place.cell], place);
     return found;
+  }
+
+  /// What diffuse surfaces send, W/m2, where at() does not trust it, too: enough where it is a small part of
+  /// the picture (integrators, I21). Nothing where no rays were cast, or some found a caustic.
+  [[nodiscard]] std::optional<C3f> roughly_at(const ElementMesh::Location& location) const {
+    if (location.element >= elements_) return std::nullopt;
+    const Place place = place_of(location);
+    if (!is_gathered_[place.cell]) return std::nullopt;
+    C3f irradiance = interpolated(value_[place.cell], place);
+    if (known_[place.cell] == Known::all) irradiance -= interpolated(direct_[place.cell], place);
+    return irradiance;
   }
 
   /// Asks for what is kept of an element, so that it is at hand when at() is.
@@ -126,7 +139,8 @@ class IndirectField {
   std::vector<Corners> value_, direct_;  // at the corners: all that is known, and of that the lamps' part
   std::vector<std::array<Corners, 3>> across_;  // net irradiance along the surface, by axis
   std::vector<Known> known_;
-  std::vector<std::uint32_t> child_;  // the first part; 0: not divided
+  std::vector<std::uint8_t> is_gathered_;  // rays were cast at all corners, and none saw a caustic
+  std::vector<std::uint32_t> child_;       // the first part; 0: not divided
   std::array<double, 4> share_{};
   std::uint64_t rays_ = 0;
 };

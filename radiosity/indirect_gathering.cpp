@@ -46,9 +46,18 @@ Gathering::Gathering(const Scene& scene, const Solution& solution, const std::ve
       position_(position),
       options_(options),
       element_rays_(scene, mesh_),
+      response_(scene, mesh_),
       radiosity_(mesh_.count()) {
   for (std::uint32_t i = 0; i < mesh_.count(); ++i)
     radiosity_[i] = C3d(mesh_.reflectance(i) * solution.irradiances()[i].total());
+}
+
+// pi times the radiance that the element where a ray has landed diffuses back along it: (R50) holds both ways.
+C3d Gathering::diffused(const Ray& ray, const Landing& landing) const {
+  const C3d& radiosity = radiosity_[landing.element];
+  if (!landing.goes_on) return radiosity;
+  const float cosine = std::abs(ray.direction.dot(landing.point.geometric_normal));
+  return radiosity * response_.of(landing.element).at(static_cast<double>(cosine));
 }
 
 // Where rays start: on a face, out of the part of a triangle that lies near its first corner.
@@ -57,6 +66,7 @@ struct Gathering::Start {
   V3d corner, edge1, edge2, normal;
   float offset, size;
   Frame frame;
+  const DiffuseResponse* response;
 };
 
 Gathering::Start Gathering::start(std::uint32_t face, const std::array<V3d, 3>& part, float reach) const {
@@ -68,7 +78,8 @@ Gathering::Start Gathering::start(std::uint32_t face, const std::array<V3d, 3>& 
           patch.normal,
           patch.offset,
           mesh_.size(face),
-          Frame(V3f(patch.normal))};
+          Frame(V3f(patch.normal)),
+          &response_.of(face)};
 }
 
 // Not on analytic surfaces, which turn away from under the rays' normal, and not where everything is buried.
@@ -77,18 +88,18 @@ bool Gathering::can_gather_at(std::uint32_t face) const {
 }
 
 template <class AddRay>
-Gathered Gathering::gather(double direct, std::uint32_t most_rays, const AddRay& add_ray) const {
+Gathered Gathering::gather(double noise, double direct, std::uint32_t most_rays, const AddRay& add_ray) const {
   Gathered sum;
   std::uint32_t k = 0;
   for (std::uint32_t count = options_.least_rays; count <= most_rays; count *= 2) {
     for (; k < count; ++k) add_ray(k, sum);
-    if (sum.noise() <= options_.noise * (direct + brightness(sum.mean()))) break;
+    if (sum.noise() <= noise * (direct + brightness(sum.mean()))) break;
   }
   return sum;
 }
 
 Gathered Gathering::at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans, double direct,
-                       std::uint32_t most_rays, std::uint64_t& rays) const {
+                       std::uint32_t most_rays, std::uint32_t usual_rays, std::uint64_t& rays) const {
   std::vector<Start> starts;
   for (const auto& [cell, corner] : fans.of(vertex)) {
     const std::array<std::uint32_t, 3>& at = cells[cell].corner;
@@ -98,7 +109,8 @@ Gathered Gathering::at(std::uint32_t vertex, std::span<const FieldCell> cells, c
               near_corner));
   }
   if (starts.empty()) return {};
-  return gather(direct, most_rays, [&](std::uint32_t k, Gathered& sum) {
+  const double noise = options_.noise * std::sqrt(static_cast<double>(usual_rays) / most_rays);
+  return gather(noise, direct, most_rays, [&](std::uint32_t k, Gathered& sum) {
     Sampler sampler(options_.seed, vertex, k);
     add_ray(starts[k % starts.size()], sampler, sum, rays);
   });
@@ -110,7 +122,7 @@ Gathered Gathering::in_the_middle(const FieldCell& cell, std::uint32_t key, doub
   const V3d middle = (part[0] + part[1] + part[2]) / 3.0;
   for (V3d& corner : part) corner = (corner + middle) * 0.5;
   const Start from = start(cell.face, part, 1.0f);
-  return gather(direct, options_.most_rays, [&](std::uint32_t k, Gathered& sum) {
+  return gather(options_.noise, direct, options_.most_rays, [&](std::uint32_t k, Gathered& sum) {
     Sampler sampler(~options_.seed, key, k);
     add_ray(from, sampler, sum, rays);
   });
@@ -150,12 +162,13 @@ void Gathering::add_ray(const Start& from, Sampler& sampler, Gathered& sum, std:
   ++sum.rays;
   if (landing.distance > 0.0f) sum.inverse_distance += 1.0 / static_cast<double>(landing.distance);
   C3d found(0.0);
-  if (landing.kind == Landing::on_element) found = radiosity_[landing.element];
+  if (landing.kind == Landing::on_element) found = diffused(ray, landing);
   if (landing.goes_on) found += over_specular(ray, landing, sampler, sum.caustic, rays);
+  const float cosine = ray.direction.dot(normal);
+  found *= from.response->at(static_cast<double>(cosine));
   sum.irradiance += found;
   if (landing.kind == Landing::on_element && landing.distance < contact_elements * mesh_.size(landing.element))
     sum.nearby += found;
-  const float cosine = ray.direction.dot(normal);
   const V3d along((ray.direction - normal * cosine) / std::max(cosine, least_cosine));
   for (std::size_t axis = 0; axis < 3; ++axis) sum.across[axis] += found * along[static_cast<int>(axis)];
   const double b = brightness(found);

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "radiosity/element_response.h"
 #include "radiosity/indirect_field.h"
 #include "radiosity/landing.h"
 #include "render/scene/scene.h"
@@ -70,9 +71,11 @@ class Gathering {
             const IndirectFieldOptions& options);
 
   /// (R39): rays from around a vertex, out of the cells that touch it, until their noise is small against all
-  /// the light there, of which `direct` is known, or there are `most_rays`.
+  /// the light there, of which `direct` is known, or there are `most_rays`. How small is for `usual_rays`;
+  /// where there may be more, less.
   [[nodiscard]] Gathered at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans,
-                            double direct, std::uint32_t most_rays, std::uint64_t& rays) const;
+                            double direct, std::uint32_t most_rays, std::uint32_t usual_rays,
+                            std::uint64_t& rays) const;
   /// The same from the inner quarter of a cell: of what is linear on it, the mean over its corners. `key`
   /// distinguishes it from others.
   [[nodiscard]] Gathered in_the_middle(const FieldCell& cell, std::uint32_t key, double direct,
@@ -87,9 +90,11 @@ class Gathering {
  private:
   struct Start;
   template <class AddRay>
-  [[nodiscard]] Gathered gather(double direct, std::uint32_t most_rays, const AddRay& add_ray) const;
+  [[nodiscard]] Gathered gather(double noise, double direct, std::uint32_t most_rays,
+                                const AddRay& add_ray) const;
   [[nodiscard]] bool can_gather_at(std::uint32_t face) const;
   [[nodiscard]] Start start(std::uint32_t face, const std::array<V3d, 3>& part, float reach) const;
+  [[nodiscard]] C3d diffused(const Ray& ray, const Landing& landing) const;
   void add_ray(const Start& from, Sampler& sampler, Gathered& sum, std::uint64_t& rays) const;
   [[nodiscard]] C3d over_specular(const Ray& ray, const Landing& landing, Sampler& sampler, C3d& caustic,
                                   std::uint64_t& rays) const;
@@ -99,6 +104,7 @@ class Gathering {
   const std::vector<V3d>& position_;
   const IndirectFieldOptions& options_;
   ElementRays element_rays_;
+  ElementResponse response_;
   std::vector<C3d> radiosity_;  // reflected, by element
 };
 

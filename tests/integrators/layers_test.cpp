@@ -183,6 +183,27 @@ TEST(Layers, TheSplitSurvivesTheCache) {
   }
 }
 
+// Where diffuse reflection is looked up, the coat alone is traced: what comes over it is specular.
+TEST(Layers, WhatACoatShowsThatIsTracedAloneIsSpecular) {
+  SceneDescription description = room(true);
+  RoughPlastic coated{1.49f, C3f(0.3f, 0.2f, 0.1f), C3f(1.0f), 0.2f, Microfacet::ggx, false};
+  coated.prepare();
+  description.materials[0] = one_sided("walls", coated);
+  const LitRoom setup(std::move(description));
+  const auto indirect_light = [&](IntegratorKind kind, std::uint32_t seed) {
+    test::Estimate estimate;
+    const Traced traced = trace(setup, *setup.integrator(kind), 60000, seed);
+    for (const SampleLayers& layers : traced.layers)
+      estimate.add(mean_component(of(layers, LightClass::specular_indirect)));
+    return estimate;
+  };
+  const test::Estimate truth = indirect_light(IntegratorKind::path, 1);
+  const test::Estimate ours = indirect_light(IntegratorKind::two_pass, 2);
+  ASSERT_GT(truth.mean(), 20.0 * truth.standard_error());
+  EXPECT_NEAR(ours.mean(), truth.mean(),
+              4.4 * std::hypot(ours.standard_error(), truth.standard_error()) + 0.01 * truth.mean());
+}
+
 // The bare solution knows direct and indirect light as well; all of it where surfaces are diffuse.
 TEST(Layers, TheViewOfASolutionIsSplit) {
   const LitRoom setup(room(true));

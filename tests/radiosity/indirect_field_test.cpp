@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "materials/diffuse_response.h"
 #include "radiosity/lambert.h"
 #include "render/core/parallel.h"
 #include "render/core/sampler.h"
@@ -44,9 +45,9 @@ SceneDescription divided_room() {
 }
 
 // What a point receives from the elements of the solution, by as many rays as it takes. `normal`: of its
-// surface, which may be tilted against its geometric normal.
+// surface, which may be tilted against its geometric normal. `response`: (R50) of that surface.
 C3f gathered(const Scene& scene, const Solution& solution, const SurfacePoint& point, const V3f& normal,
-             std::uint32_t key) {
+             std::uint32_t key, const DiffuseResponse* response = nullptr) {
   constexpr std::uint32_t rays = 4096;
   C3f sum(0.0f);
   for (std::uint32_t k = 0; k < rays; ++k) {
@@ -57,7 +58,9 @@ C3f gathered(const Scene& scene, const Solution& solution, const SurfacePoint& p
     const Hit hit = scene.caster().intersect(ray);
     if (hit.escaped()) continue;
     const SurfacePoint there = scene.surface_point(ray, hit);
-    sum += scene.side(there).traits().mean_diffuse_reflectance * solution.irradiance(there).total();
+    const double counts = response ? response->at(static_cast<double>(direction.dot(normal))) : 1.0;
+    sum += scene.side(there).traits().mean_diffuse_reflectance * solution.irradiance(there).total() *
+           static_cast<float>(counts);
   }
   return sum / static_cast<float>(rays);
 }
@@ -102,6 +105,112 @@ TEST(IndirectField, HasTheIrradianceOfTheCube) {
     EXPECT_EQ(is_dark, direction.z > 0.0f);
     EXPECT_NEAR(value.irradiance.x, irradiance, 0.02 * irradiance);
   }
+}
+
+// A floor under a coat, above which a ceiling is lit from below: it sees the light steeply, and the coat lets
+// more of that through than of light from all around (R50).
+TEST(IndirectField, CountsWhatACoatLetsThrough) {
+  struct Found {
+    float field, plain, weighted;  // what the field finds, and gathering, without and with the coat's response
+  };
+  const auto find = [](const Bsdf& floor) {
+    SceneDescription description;
+    const V3f x(1, 0, 0), y(0, 1, 0);
+    test::add_diffuse(description, "floor", test::quad(V3f(0.0f), x, y), C3f(0.5f));
+    description.materials.back() = one_sided("floor", floor);
+    test::add_diffuse(description, "ceiling", test::quad(V3f(0, 0, 1.5f), y, x), C3f(0.8f));
+    test::add_diffuse(description, "lamp", test::quad(V3f(0.05f, 0.05f, 0.1f), x * 0.1f, y * 0.1f), C3f(0.0f),
+                      C3f(1.0f));
+    const Scene scene(std::move(description));
+    RadiosityOptions radiosity;
+    radiosity.max_elements = 500;
+    radiosity.subdivision = Subdivision::uniform;
+    const Solution solution = solve_radiosity(scene, radiosity);
+    const SurfacePoint point = point_below(scene, V3f(0.6f, 0.6f, 0.5f), V3f(0, 0, -1));
+    const ElementMesh::Location place = solution.mesh().locate(point);
+    IndirectFieldOptions options;
+    options.wanted.assign(solution.mesh().count(), false);
+    options.wanted[place.element] = true;
+    options.least_rays = options.most_rays = 1u << 18;
+    const auto roughly = IndirectField(scene, solution, options).roughly_at(place);
+    const DiffuseResponse response(scene.side(point));
+    Found found{roughly ? roughly->x : 0.0f, 0.0f, 0.0f};
+    for (std::uint32_t key = 0; key < 64; ++key) {
+      found.plain += gathered(scene, solution, point, point.geometric_normal, key).x / 64.0f;
+      found.weighted += gathered(scene, solution, point, point.geometric_normal, key, &response).x / 64.0f;
+    }
+    return found;
+  };
+  RoughPlastic coat;
+  coat.alpha = 0.2f;
+  coat.prepare();
+  const Found bare = find(Diffuse{C3f(0.5f)}), coated = find(coat);
+  // One ray in ten meets the ceiling: half a percent of noise in each.
+  EXPECT_NEAR(bare.field, bare.weighted, 0.02f * bare.weighted);
+  EXPECT_EQ(bare.weighted, bare.plain);
+  EXPECT_GT(coated.weighted, 1.04f * coated.plain);
+  EXPECT_NEAR(coated.field, coated.weighted, 0.02f * coated.weighted);
+}
+
+// Where it is not trusted, too, but not where no rays were cast; without the light of lamps.
+TEST(IndirectField, IsRoughlyKnownWhereRaysWereCast) {
+  const Scene scene(test::furnished_room());
+  const Solution solution = solve(scene, 2000);
+  const ElementMesh& mesh = solution.mesh();
+  std::vector<bool> wanted(mesh.count());
+  for (std::uint32_t i = 0; i < mesh.count(); ++i) wanted[i] = i % 2 == 0;
+  const IndirectField field(scene, solution, {.wanted = wanted});
+  int trusted = 0, doubted = 0, unknown = 0;
+  for (std::uint32_t k = 0; k < 2000; ++k) {
+    Sampler sampler(3, k, 0);
+    const ElementMesh::Location place = mesh.locate(any_point(scene, sampler));
+    if (place.element == no_index || mesh.is_cluster(place.element)) continue;
+    const auto roughly = field.roughly_at(place);
+    const auto found = field.at(place);
+    if (!wanted[place.element]) {
+      ++unknown;
+      EXPECT_FALSE(roughly);
+    } else if (found.known >= Known::indirect) {
+      ++trusted;
+      ASSERT_TRUE(roughly);
+      const C3f direct = found.known == Known::all ? field.direct_at(place) : C3f(0.0f);
+      EXPECT_EQ(*roughly, found.irradiance - direct);
+    } else if (roughly) {
+      ++doubted;
+      EXPECT_GT(roughly->x, 0.0f);
+    }
+  }
+  EXPECT_GT(trusted, 100);
+  EXPECT_GT(doubted, 10);
+  EXPECT_GT(unknown, 100);
+}
+
+// As many rays in all, more of them where more of a picture depends on them (R55).
+TEST(IndirectField, HasLessNoiseWhereMoreOfAPictureLooks) {
+  const Scene scene(test::furnished_room());
+  const Solution solution = solve(scene, 2000);
+  const ElementMesh& mesh = solution.mesh();
+  const auto is_floor = [&](std::uint32_t element) { return mesh.patch(element).normal.z > 0.9; };
+  const auto field = [&](double elsewhere, std::uint32_t seed) {
+    IndirectFieldOptions options{.noise = 0.0, .direct_tolerance = 0.0, .seed = seed};
+    for (std::uint32_t i = 0; i < mesh.count(); ++i)
+      options.rays_there.push_back(is_floor(i) ? 1.0 : elsewhere);
+    return IndirectField(scene, solution, options);
+  };
+  const auto scatter = [&](double elsewhere) {
+    const IndirectField a = field(elsewhere, 1), b = field(elsewhere, 2);
+    double squares = 0.0;
+    for (std::uint32_t k = 0; k < 2000; ++k) {
+      Sampler sampler(3, k, 0);
+      const ElementMesh::Location place = mesh.locate(any_point(scene, sampler));
+      if (place.element == no_index || mesh.is_cluster(place.element) || !is_floor(place.element)) continue;
+      const auto x = a.roughly_at(place), y = b.roughly_at(place);
+      if (x && y) squares += std::pow(static_cast<double>((x->x - y->x) / (x->x + y->x)), 2.0);
+    }
+    return squares;
+  };
+  EXPECT_LT(scatter(0.01), 0.7 * scatter(1.0));
+  EXPECT_LT(field(0.01, 1).rays(), 1.05 * static_cast<double>(field(1.0, 1).rays()));
 }
 
 // A small bright patch is seen by few rays: with as many as a picture is worth, fields of different seeds
