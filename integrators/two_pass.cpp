@@ -41,25 +41,8 @@ Step step_after(Known known, Vertex& vertex) {
 
 }  // namespace
 
-IndirectField::LookUp TwoPass::look_up(Vertex& vertex) const {
+IndirectField::LookUp TwoPass::look_up(const Vertex& vertex) const {
   if (!field_ || is_black(diffuse_reflectance(vertex.bsdf()))) return {};
-  const IndirectField::LookUp found = trusted(vertex);
-  if (found.known >= Known::indirect || !is_faint(vertex)) return found;
-  const std::optional<C3f> irradiance = field_->roughly_at(vertex.place());
-  return irradiance ? IndirectField::LookUp{Known::indirect, *irradiance} : found;
-}
-
-// (I21): seen over coats that reflect little of it, against what they lie on.
-bool TwoPass::is_faint(Vertex& vertex) const {
-  constexpr float most = 0.2f;
-  const float share = vertex.share_of_coats();
-  if (share == 1.0f || vertex.gathers() || !resolves(solution_->mesh(), vertex.element(), vertex.distance()))
-    return false;
-  const C3f there = reflected_radiance(vertex.bsdf(), solution_->irradiances()[vertex.element()]);
-  return max_component(there) * share <= most * max_component(vertex.expected());
-}
-
-IndirectField::LookUp TwoPass::trusted(const Vertex& vertex) const {
   const SurfacePoint& point = vertex.point();
   const float cosine = point.shading.n.dot(point.geometric_normal);
   if (cosine < least_cosine) return {};
@@ -120,8 +103,6 @@ Step TwoPass::at(Vertex& vertex) const {
     const C3f direct = has_direct ? field_->direct_at(vertex.place()) : C3f(0.0f);
     vertex.add(vertex.diffuse_albedo() * found.irradiance * (1.0f / pi_f), {direct, found.irradiance - direct},
                LookUp::field);
-    if (vertex.share_of_coats() == 1.0f)
-      vertex.expected() = reflected_radiance(vertex.bsdf(), solution_->irradiances()[vertex.element()]);
   }
   const Step step = step_after(found.known, vertex);
   if (guide_ && step >= Step::scatter && found.known < Known::indirect && vertex.element() != no_index)

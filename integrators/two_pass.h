@@ -48,9 +48,7 @@ class TwoPass final : public Integrator {
   void look_ahead(Vertex& vertex) const;
   [[nodiscard]] Step at(Vertex& vertex) const;
   void add_caustics(Vertex& vertex) const;
-  [[nodiscard]] IndirectField::LookUp look_up(Vertex& vertex) const;
-  [[nodiscard]] IndirectField::LookUp trusted(const Vertex& vertex) const;
-  [[nodiscard]] bool is_faint(Vertex& vertex) const;
+  [[nodiscard]] IndirectField::LookUp look_up(const Vertex& vertex) const;
 
   const Scene& scene_;
   const Solution* solution_;

@@ -27,8 +27,7 @@ struct Carried {
   /// light that lamps send that way has not been added there (I19).
   bool over_specular = false;
   C3f uncharted{1.0f};
-  C3f expected{0.0f};           ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
-  float share_of_coats = 1.0f;  ///< what is left of light over the coats gone over since a look-up (I21)
+  C3f expected{0.0f};  ///< what the sample is expected to see, W/(m2 sr); black: not known (I12)
 };
 
 /// Lobes with less density than this, per steradian, count as broad: what they gather is blurred. Diffuse ones
@@ -228,7 +227,7 @@ class Vertex {
                                      : first_scatter_of(direction);
     Carried& carried = *carried_;
     carried.throughput *= drawn->weight * reached;
-    if (lacks_diffuse_ && !survives_coat(max_component(drawn->weight) * reached)) return false;
+    if (lacks_diffuse_ && !survives(survival_probability(max_component(drawn->weight) * reached))) return false;
     if (caustics_ == Caustics::known) {
       carried.over_specular = false;
       carried.uncharted = drawn->is_specular || lacks_diffuse_ ? C3f(1.0f) : glossy_share(*drawn);
@@ -301,8 +300,6 @@ class Vertex {
   [[nodiscard]] const C3f& throughput() const { return carried_->throughput; }
   [[nodiscard]] Sampler& sampler() { return sample_->sampler; }
   [[nodiscard]] const PathSample& sample() const { return *sample_; }
-  /// What the coats over which the path has gone, where the rest was looked up, reflect of the light there.
-  [[nodiscard]] float share_of_coats() const { return carried_->share_of_coats; }
   /// What the sample is expected to see, W/(m2 sr): kept for the integrator, black at first.
   [[nodiscard]] C3f& expected() { return carried_->expected; }
   /// Length of the edge that led to the vertex.
@@ -366,15 +363,6 @@ class Vertex {
     for (int c = 0; c < 3; ++c)
       if (all[c] > 0.0f) share[c] = std::clamp(1.0f - diffuse[c] / all[c], 0.0f, 1.0f);
     return share;
-  }
-
-  // Few rays go where a coat reflects little of what they find (I4); more over the path's first, where most of
-  // what they find is looked up.
-  bool survives_coat(float share) {
-    constexpr float first_coat = 3.0f;
-    const bool is_first = carried_->share_of_coats == 1.0f && !carried_->gathers;
-    carried_->share_of_coats *= share;
-    return survives(survival_probability(is_first ? first_coat * share : share));
   }
 
   bool survives(float probability) {

@@ -221,8 +221,6 @@ class IndirectFieldBuilder {
     verdict_[c] = verdict_of(c, rays);
     const bool is_trusted = verdict_[c] == Verdict::trusted;
     const auto direct = options_.with_direct && lamps_.is_known() ? direct_of(c) : std::nullopt;
-    field_.is_gathered_[c] = std::ranges::all_of(
-        cell.corner, [&](std::uint32_t v) { return gathered_[v].rays > 0 && !near_caustic_[v]; });
     if (is_trusted) field_.known_[c] = direct ? Known::all : Known::indirect;
     if (!is_trusted && direct && is_black(*direct)) field_.known_[c] = Known::no_direct;
     if (!is_trusted || !direct) return;
@@ -336,7 +334,6 @@ class IndirectFieldBuilder {
     field_.direct_.resize(cells_.size(), black);
     field_.across_.resize(cells_.size(), {black, black, black});
     field_.known_.resize(cells_.size(), Known::nothing);
-    field_.is_gathered_.resize(cells_.size(), 0);
     field_.child_.resize(cells_.size(), 0);
     verdict_.resize(cells_.size(), Verdict::unknown);
   }

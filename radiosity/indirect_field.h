@@ -2,8 +2,6 @@
 // judgement where that is enough.
 #pragma once
 
-#include <optional>
-
 #include "radiosity/solution.h"
 
 namespace twopass {
@@ -64,17 +62,6 @@ class IndirectField {
     LookUp found{known_[place.cell]};
     if (found.known >= Known::indirect) found.irradiance = interpolated(value_[place.cell], place);
     return found;
-  }
-
-  /// What diffuse surfaces send, W/m2, where at() does not trust it, too: enough where it is a small part of
-  /// the picture (integrators, I21). Nothing where no rays were cast, or some found a caustic.
-  [[nodiscard]] std::optional<C3f> roughly_at(const ElementMesh::Location& location) const {
-    if (location.element >= elements_) return std::nullopt;
-    const Place place = place_of(location);
-    if (!is_gathered_[place.cell]) return std::nullopt;
-    C3f irradiance = interpolated(value_[place.cell], place);
-    if (known_[place.cell] == Known::all) irradiance -= interpolated(direct_[place.cell], place);
-    return irradiance;
   }
 
   /// Asks for what is kept of an element, so that it is at hand when at() is.
@@ -139,8 +126,7 @@ class IndirectField {
   std::vector<Corners> value_, direct_;  // at the corners: all that is known, and of that the lamps' part
   std::vector<std::array<Corners, 3>> across_;  // net irradiance along the surface, by axis
   std::vector<Known> known_;
-  std::vector<std::uint8_t> is_gathered_;  // rays were cast at all corners, and none saw a caustic
-  std::vector<std::uint32_t> child_;       // the first part; 0: not divided
+  std::vector<std::uint32_t> child_;  // the first part; 0: not divided
   std::array<double, 4> share_{};
   std::uint64_t rays_ = 0;
 };

@@ -44,7 +44,7 @@ std::vector<Ray> view_rays(const Camera& camera, const PixelWindow& window, std:
 
 // Light is looked up where the picture's rays see it: at elements that few of them see it may as well be
 // gathered.
-std::vector<bool> elements_with_part(std::span<const double> parts) {
+std::vector<bool> seen_elements(std::span<const double> parts) {
   std::vector<bool> seen;
   for (const double part : parts) seen.push_back(part > 0.0);
   return seen;
@@ -87,22 +87,22 @@ bool looks_black(const Solution& solution, std::span<const double> parts) {
 // What is read of the solution; that is left out where it is no use.
 void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
   std::uint64_t rays = 0;
-  const ViewParts parts =
-      parts_seen(job.scene, done.solution->mesh(), job.radiosity.view, job.radiosity.seed, rays);
-  if (looks_black(*done.solution, parts.first)) {
+  std::vector<double> parts =
+      parts_of(done.solution->mesh(), seen_points(job.scene, job.radiosity.view, job.radiosity.seed, rays));
+  if (looks_black(*done.solution, parts)) {
     done.solution.reset();
     done.caustics.reset();
     done.left_out = "it finds no light where the picture looks";
     return;
   }
+  const std::vector<bool> seen = seen_elements(parts);
   Stopwatch stopwatch;
   done.guide.reset();
   if (job.plan.indirect_field) {
     IndirectFieldOptions options;
     options.seed = job.radiosity.seed;
-    options.rays_there = parts.first;
-    for (std::size_t i = 0; i < parts.first.size(); ++i) options.rays_there[i] += parts.over_coats[i];
-    options.wanted = elements_with_part(options.rays_there);
+    options.wanted = seen;
+    options.rays_there = std::move(parts);
     for (double& there : options.rays_there) there *= share_of_pass_one * job.picture_rays;
     options.affordable_rays = share_of_corners * job.picture_rays;
     options.without_caustics = done.caustics != nullptr;
@@ -111,8 +111,7 @@ void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
   }
   if (job.plan.guide) {
     stopwatch = Stopwatch();
-    done.guide = std::make_unique<const Guide>(job.scene, *done.solution,
-                                               guide_options(job, done, elements_with_part(parts.first)));
+    done.guide = std::make_unique<const Guide>(job.scene, *done.solution, guide_options(job, done, seen));
     done.guide_time += stopwatch.elapsed();
   }
 }

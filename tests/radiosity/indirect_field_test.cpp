@@ -127,14 +127,14 @@ TEST(IndirectField, CountsWhatACoatLetsThrough) {
     radiosity.subdivision = Subdivision::uniform;
     const Solution solution = solve_radiosity(scene, radiosity);
     const SurfacePoint point = point_below(scene, V3f(0.6f, 0.6f, 0.5f), V3f(0, 0, -1));
-    const ElementMesh::Location place = solution.mesh().locate(point);
     IndirectFieldOptions options;
     options.wanted.assign(solution.mesh().count(), false);
-    options.wanted[place.element] = true;
+    options.wanted[solution.mesh().find(point)] = true;
     options.least_rays = options.most_rays = 1u << 18;
-    const auto roughly = IndirectField(scene, solution, options).roughly_at(place);
+    options.with_direct = false;
+    const IndirectField field(scene, solution, options);
     const DiffuseResponse response(scene.side(point));
-    Found found{roughly ? roughly->x : 0.0f, 0.0f, 0.0f};
+    Found found{field.indirect_at_any(point).x, 0.0f, 0.0f};
     for (std::uint32_t key = 0; key < 64; ++key) {
       found.plain += gathered(scene, solution, point, point.geometric_normal, key).x / 64.0f;
       found.weighted += gathered(scene, solution, point, point.geometric_normal, key, &response).x / 64.0f;
@@ -152,39 +152,6 @@ TEST(IndirectField, CountsWhatACoatLetsThrough) {
   EXPECT_NEAR(coated.field, coated.weighted, 0.02f * coated.weighted);
 }
 
-// Where it is not trusted, too, but not where no rays were cast; without the light of lamps.
-TEST(IndirectField, IsRoughlyKnownWhereRaysWereCast) {
-  const Scene scene(test::furnished_room());
-  const Solution solution = solve(scene, 2000);
-  const ElementMesh& mesh = solution.mesh();
-  std::vector<bool> wanted(mesh.count());
-  for (std::uint32_t i = 0; i < mesh.count(); ++i) wanted[i] = i % 2 == 0;
-  const IndirectField field(scene, solution, {.wanted = wanted});
-  int trusted = 0, doubted = 0, unknown = 0;
-  for (std::uint32_t k = 0; k < 2000; ++k) {
-    Sampler sampler(3, k, 0);
-    const ElementMesh::Location place = mesh.locate(any_point(scene, sampler));
-    if (place.element == no_index || mesh.is_cluster(place.element)) continue;
-    const auto roughly = field.roughly_at(place);
-    const auto found = field.at(place);
-    if (!wanted[place.element]) {
-      ++unknown;
-      EXPECT_FALSE(roughly);
-    } else if (found.known >= Known::indirect) {
-      ++trusted;
-      ASSERT_TRUE(roughly);
-      const C3f direct = found.known == Known::all ? field.direct_at(place) : C3f(0.0f);
-      EXPECT_EQ(*roughly, found.irradiance - direct);
-    } else if (roughly) {
-      ++doubted;
-      EXPECT_GT(roughly->x, 0.0f);
-    }
-  }
-  EXPECT_GT(trusted, 100);
-  EXPECT_GT(doubted, 10);
-  EXPECT_GT(unknown, 100);
-}
-
 // As many rays in all, more of them where more of a picture depends on them (R55).
 TEST(IndirectField, HasLessNoiseWhereMoreOfAPictureLooks) {
   const Scene scene(test::furnished_room());
@@ -192,7 +159,7 @@ TEST(IndirectField, HasLessNoiseWhereMoreOfAPictureLooks) {
   const ElementMesh& mesh = solution.mesh();
   const auto is_floor = [&](std::uint32_t element) { return mesh.patch(element).normal.z > 0.9; };
   const auto field = [&](double elsewhere, std::uint32_t seed) {
-    IndirectFieldOptions options{.noise = 0.0, .direct_tolerance = 0.0, .seed = seed};
+    IndirectFieldOptions options{.noise = 0.0, .with_direct = false, .seed = seed};
     for (std::uint32_t i = 0; i < mesh.count(); ++i)
       options.rays_there.push_back(is_floor(i) ? 1.0 : elsewhere);
     return IndirectField(scene, solution, options);
@@ -202,10 +169,11 @@ TEST(IndirectField, HasLessNoiseWhereMoreOfAPictureLooks) {
     double squares = 0.0;
     for (std::uint32_t k = 0; k < 2000; ++k) {
       Sampler sampler(3, k, 0);
-      const ElementMesh::Location place = mesh.locate(any_point(scene, sampler));
-      if (place.element == no_index || mesh.is_cluster(place.element) || !is_floor(place.element)) continue;
-      const auto x = a.roughly_at(place), y = b.roughly_at(place);
-      if (x && y) squares += std::pow(static_cast<double>((x->x - y->x) / (x->x + y->x)), 2.0);
+      const SurfacePoint point = any_point(scene, sampler);
+      const std::uint32_t element = mesh.find(point);
+      if (element == no_index || mesh.is_cluster(element) || !is_floor(element)) continue;
+      const float x = a.indirect_at_any(point).x, y = b.indirect_at_any(point).x;
+      if (x + y > 0.0f) squares += std::pow(static_cast<double>((x - y) / (x + y)), 2.0);
     }
     return squares;
   };
