@@ -140,9 +140,8 @@ class IndirectFieldBuilder {
       if (gathers[v] && !hangs[v]) places.push_back(v);
     most_rays_ = most_rays(places.size());
     add_shares(cells_, 0);
-    double all = 0.0;
-    for (const std::uint32_t v : places) all += share_[v];
-    usual_share_ = all / static_cast<double>(std::max<std::size_t>(places.size(), 1));
+    for (const std::uint32_t v : places)
+      mean_root_ += std::sqrt(share_[v]) / static_cast<double>(places.size());
     gather(places, cells_);
     for (const VertexMesh::Hanging& h : vertices_.hanging())
       if (gathers[h.vertex])
@@ -162,8 +161,9 @@ class IndirectFieldBuilder {
 
   // (R55)
   [[nodiscard]] std::uint32_t most_rays_from(std::uint32_t v) const {
-    if (!(usual_share_ > 0.0)) return most_rays_;
-    const double rays = most_rays_ * std::sqrt(share_[v] / usual_share_);
+    if (!(mean_root_ > 0.0)) return most_rays_;
+    // Numbers are doubled: to the nearest of them.
+    const double rays = std::sqrt(2.0) * most_rays_ * std::sqrt(share_[v]) / mean_root_;
     return std::bit_floor(static_cast<std::uint32_t>(
         std::clamp(rays, static_cast<double>(std::min(options_.least_rays, most_rays_)),
                    std::max(most_worth, static_cast<double>(most_rays_)))));
@@ -195,7 +195,7 @@ class IndirectFieldBuilder {
       std::uint64_t cast = 0;
       for (std::size_t i = begin; i < end; ++i)
         gathered_[places[i]] = gathering_.at(places[i], around, fans, direct_brightness_[places[i]],
-                                             most_rays_from(places[i]), most_rays_, cast);
+                                             most_rays_from(places[i]), cast);
       rays += cast;
     });
     rays_ += rays;
@@ -372,9 +372,9 @@ class IndirectFieldBuilder {
   std::vector<double> direct_brightness_;  // of the light of lamps there
   std::vector<Gathered> gathered_;
   std::vector<bool> near_caustic_;
-  std::vector<double> share_;
-  double usual_share_ = 0.0;     // their mean
-  std::uint32_t most_rays_ = 0;  // from one that has this
+  std::vector<double> share_;    // of the picture, see add_shares()
+  double mean_root_ = 0.0;       // of the shares of all that are gathered at first
+  std::uint32_t most_rays_ = 0;  // from one with the mean root
   // By cell: elements, then parts of them, four for each that is divided.
   std::vector<FieldCell> cells_;
   std::vector<Verdict> verdict_;

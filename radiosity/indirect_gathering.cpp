@@ -99,7 +99,7 @@ Gathered Gathering::gather(double noise, double direct, std::uint32_t most_rays,
 }
 
 Gathered Gathering::at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans, double direct,
-                       std::uint32_t most_rays, std::uint32_t usual_rays, std::uint64_t& rays) const {
+                       std::uint32_t most_rays, std::uint64_t& rays) const {
   std::vector<Start> starts;
   for (const auto& [cell, corner] : fans.of(vertex)) {
     const std::array<std::uint32_t, 3>& at = cells[cell].corner;
@@ -109,7 +109,7 @@ Gathered Gathering::at(std::uint32_t vertex, std::span<const FieldCell> cells, c
               near_corner));
   }
   if (starts.empty()) return {};
-  const double noise = options_.noise * std::sqrt(static_cast<double>(usual_rays) / most_rays);
+  const double noise = options_.noise * std::sqrt(static_cast<double>(options_.most_rays) / most_rays);
   return gather(noise, direct, most_rays, [&](std::uint32_t k, Gathered& sum) {
     Sampler sampler(options_.seed, vertex, k);
     add_ray(starts[k % starts.size()], sampler, sum, rays);

@@ -71,11 +71,10 @@ class Gathering {
             const IndirectFieldOptions& options);
 
   /// (R39): rays from around a vertex, out of the cells that touch it, until their noise is small against all
-  /// the light there, of which `direct` is known, or there are `most_rays`. How small is for `usual_rays`;
-  /// where there may be more, less.
+  /// the light there, of which `direct` is known, or there are `most_rays`; the smaller, the more there may be
+  /// (R55).
   [[nodiscard]] Gathered at(std::uint32_t vertex, std::span<const FieldCell> cells, const Fans& fans,
-                            double direct, std::uint32_t most_rays, std::uint32_t usual_rays,
-                            std::uint64_t& rays) const;
+                            double direct, std::uint32_t most_rays, std::uint64_t& rays) const;
   /// The same from the inner quarter of a cell: of what is linear on it, the mean over its corners. `key`
   /// distinguishes it from others.
   [[nodiscard]] Gathered in_the_middle(const FieldCell& cell, std::uint32_t key, double direct,
