@@ -153,10 +153,10 @@ class IndirectFieldBuilder {
   // What part of the picture depends on a vertex.
   void add_shares(std::span<const FieldCell> cells, int level) {
     share_.resize(position_.size(), 0.0);
-    if (options_.rays_there.empty()) return;
+    if (options_.parts.empty()) return;
     for (const FieldCell& cell : cells)
       for (const std::uint32_t v : cell.corner)
-        share_[v] += options_.rays_there[cell.face] / (3.0 * std::pow(4.0, level));
+        share_[v] += options_.parts[cell.face] / (3.0 * std::pow(4.0, level));
   }
 
   // (R55)
@@ -286,8 +286,9 @@ class IndirectFieldBuilder {
     const auto first = static_cast<std::uint32_t>(cells_.size());
     std::vector<std::uint32_t> fresh;
     for (const std::uint32_t c : pending) {
-      if (verdict_[c] != Verdict::too_coarse || options_.rays_there.empty()) continue;
-      if (options_.rays_there[cells_[c].face] < rays_of_division() * std::pow(4.0, level)) continue;
+      if (verdict_[c] != Verdict::too_coarse || options_.parts.empty()) continue;
+      const double affordable = options_.dividing_rays * options_.parts[cells_[c].face];
+      if (affordable < rays_of_division() * std::pow(4.0, level)) continue;
       field_.child_[c] = static_cast<std::uint32_t>(cells_.size());
       const auto [face, corner] = cells_[c];
       std::array<std::uint32_t, 3> middle;  // of the edges from each corner to the next

@@ -22,9 +22,11 @@ struct IndirectFieldOptions {
   bool without_caustics = false;
   /// By element: false where nobody will look. Empty: they look everywhere.
   std::vector<bool> wanted{};
-  /// By element: about how many rays may be spent on dividing it if it is too coarse to be trusted (R53), in
-  /// proportion to the part of the picture that looks there (R55). Empty: none, and all look alike.
-  std::vector<double> rays_there{};
+  /// By element: the part of the picture that looks there (R55). Empty: not known, and nothing is divided.
+  std::vector<double> parts{};
+  /// About how many rays may be spent on dividing an element that is too coarse to be trusted, times its part
+  /// (R53).
+  double dividing_rays = 0.0;
   std::uint32_t least_rays = 64, most_rays = 512;  ///< the most from a corner that is looked at like others
   /// From all corners together: where it is more than `most_rays` from each, up to so many, and 4096.
   double affordable_rays = 0.0;

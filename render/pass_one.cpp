@@ -102,8 +102,8 @@ void prepare_reading(const PassOneJob& job, PreparedPassOne& done) {
     IndirectFieldOptions options;
     options.seed = job.radiosity.seed;
     options.wanted = seen;
-    options.rays_there = std::move(parts);
-    for (double& there : options.rays_there) there *= share_of_pass_one * job.picture_rays;
+    options.parts = std::move(parts);
+    options.dividing_rays = share_of_pass_one * job.picture_rays;
     options.affordable_rays = share_of_corners * job.picture_rays;
     options.without_caustics = done.caustics != nullptr;
     done.field = std::make_unique<const IndirectField>(job.scene, *done.solution, options);

@@ -160,8 +160,7 @@ TEST(IndirectField, HasLessNoiseWhereMoreOfAPictureLooks) {
   const auto is_floor = [&](std::uint32_t element) { return mesh.patch(element).normal.z > 0.9; };
   const auto field = [&](double elsewhere, std::uint32_t seed) {
     IndirectFieldOptions options{.noise = 0.0, .with_direct = false, .seed = seed};
-    for (std::uint32_t i = 0; i < mesh.count(); ++i)
-      options.rays_there.push_back(is_floor(i) ? 1.0 : elsewhere);
+    for (std::uint32_t i = 0; i < mesh.count(); ++i) options.parts.push_back(is_floor(i) ? 1.0 : elsewhere);
     return IndirectField(scene, solution, options);
   };
   const auto scatter = [&](double elsewhere) {
@@ -216,7 +215,10 @@ class IndirectFieldTest : public testing::TestWithParam<bool> {
  protected:
   static IndirectFieldOptions options(const Solution& solution) {
     IndirectFieldOptions options{.direct_tolerance = 0.0};
-    if (GetParam()) options.rays_there.assign(solution.mesh().count(), 1e9);
+    if (GetParam()) {
+      options.parts.assign(solution.mesh().count(), 1.0);
+      options.dividing_rays = 1e9;
+    }
     return options;
   }
 };

@@ -167,7 +167,7 @@ TEST(PassOne, LongPicturesFindTheLightAtCornersWithMoreRays) {
     job.radiosity.max_elements = 300;
     return prepare_pass_one(std::move(job)).field->rays();
   };
-  EXPECT_EQ(rays(1e4), rays(1e5));
+  EXPECT_EQ(rays(0.0), rays(1e5));
   EXPECT_GT(rays(1e10), rays(1e5));
 }
 
